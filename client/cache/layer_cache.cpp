@@ -1,0 +1,127 @@
+#include "client/cache/layer_cache.h"
+
+#include <array>
+
+namespace citystream::client {
+
+LayerCache::~LayerCache() {
+    for (CachedLayer* layer : store_order_) store_.destroy(layer->id);
+}
+
+CachedLayer& LayerCache::at(CacheKey key) {
+    const auto [found, added] = layers_.try_emplace(key);
+    if (added) {
+        found->second.key = key;
+        host_.fixed += kCachedLayerBytes;
+        host_.note_peak();
+    }
+    return found->second;
+}
+
+CachedLayer* LayerCache::find(CacheKey key) {
+    const auto found = layers_.find(key);
+    return found == layers_.end() ? nullptr : &found->second;
+}
+
+void LayerCache::need(CachedLayer& layer) {
+    layer.needed_by = selection_;
+    if (layer.id != kNoLayer) store_order_.splice(store_order_.begin(), store_order_, layer.in_store);
+    if (layer.wire_steps > 0) wire_order_.splice(wire_order_.begin(), wire_order_, layer.in_wire);
+}
+
+bool LayerCache::free_slots(uint64_t slots) {
+    const uint64_t count = store_.slot_count();
+    const auto enough = [&] { return slots_used_ + slots <= count; };
+    for (const bool spare_drawn : {true, false}) {
+        for (auto at = store_order_.end(); at != store_order_.begin() && !enough();) {
+            CachedLayer& layer = **std::prev(at);
+            if (is_needed(layer) || (spare_drawn && layer.drawn_by + 1 >= update_)) {
+                --at;
+            } else {
+                drop_store(layer);  // erases the element before `at`, which stays valid
+            }
+        }
+        if (enough()) return true;
+    }
+    return false;
+}
+
+bool LayerCache::free_host(uint64_t bytes) {
+    for (auto at = wire_order_.end(); at != wire_order_.begin() && host_.free() < bytes;) {
+        CachedLayer& layer = **std::prev(at);
+        if (is_needed(layer)) {
+            --at;
+        } else {
+            drop_wire_from(layer, 0);
+        }
+    }
+    return host_.free() >= bytes;
+}
+
+void LayerCache::add_wire(CachedLayer& layer, std::vector<std::byte> bytes, bool keep) {
+    if (layer.wire_steps == 0) layer.in_wire = wire_order_.insert(wire_order_.begin(), &layer);
+    layer.wire_sizes.push_back(bytes.size());
+    layer.wire_bytes += bytes.size();
+    host_.wire += bytes.size();
+    ++layer.wire_steps;
+    bytes.shrink_to_fit();
+    if (keep) layer.wire.push_back(std::move(bytes));
+    host_.note_peak();
+}
+
+void LayerCache::drop_wire_from(CachedLayer& layer, uint32_t step) {
+    if (layer.wire_steps <= step) return;
+    while (layer.wire_steps > step) {
+        layer.wire_bytes -= layer.wire_sizes.back();
+        host_.wire -= layer.wire_sizes.back();
+        layer.wire_sizes.pop_back();
+        if (!layer.wire.empty()) layer.wire.pop_back();
+        --layer.wire_steps;
+    }
+    if (step == 0) wire_order_.erase(layer.in_wire);
+}
+
+Status LayerCache::append_piece(CachedLayer& layer, std::span<const uint32_t> words) {
+    if (layer.id == kNoLayer) {
+        layer.id = store_.create();
+        layer.in_store = store_order_.insert(store_order_.begin(), &layer);
+    }
+    const Status appended = store_.append(layer.id, words);
+    if (!appended) {
+        drop_store(layer);
+        return appended.error();
+    }
+    slots_used_ += store_.slots_for(layer.store_bytes + words.size_bytes()) - store_.slots_for(layer.store_bytes);
+    layer.store_bytes += words.size_bytes();
+    return Done{};
+}
+
+Status LayerCache::append(CachedLayer& layer, std::span<const uint32_t> words, uint32_t steps) {
+    Status appended = append_piece(layer, words);
+    if (appended) layer.store_steps = steps;
+    return appended;
+}
+
+Status LayerCache::append_zeros(CachedLayer& layer, uint64_t bytes, uint32_t steps) {
+    static constexpr std::array<uint32_t, 4096> kZeros{};
+    for (uint64_t words = bytes / 4; words > 0;) {
+        const uint64_t piece = std::min<uint64_t>(words, kZeros.size());
+        Status appended = append_piece(layer, std::span(kZeros).first(piece));
+        if (!appended) return appended;
+        words -= piece;
+    }
+    layer.store_steps = steps;
+    return Done{};
+}
+
+void LayerCache::drop_store(CachedLayer& layer) {
+    if (layer.id == kNoLayer) return;
+    store_.destroy(layer.id);
+    store_order_.erase(layer.in_store);
+    slots_used_ -= store_.slots_for(layer.store_bytes);
+    layer.id = kNoLayer;
+    layer.store_steps = 0;
+    layer.store_bytes = 0;
+}
+
+}  // namespace citystream::client

@@ -1,0 +1,92 @@
+// What is on the GPU and which wire bytes are in host memory, layer by layer; least recently needed goes first.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "client/cache/directory_cache.h"
+#include "client/cache/host_memory.h"
+#include "client/cache/layer_store.h"
+
+namespace citystream::client {
+
+/// Names a layer of a tile or a facade map.
+using CacheKey = uint64_t;
+constexpr CacheKey layer_key(NodeIndex node, tiles::tileset::Layer layer) {
+    return static_cast<CacheKey>(node) << 3 | static_cast<CacheKey>(layer);
+}
+constexpr CacheKey map_key(uint32_t map) { return static_cast<CacheKey>(map) << 3 | 7; }
+
+/// A layer's resident prefixes: `wire_steps` steps as received, `store_steps` steps decoded in the store. Either may be ahead of the other.
+struct CachedLayer {
+    CacheKey key = 0;
+    uint32_t wire_steps = 0;
+    std::vector<std::vector<std::byte>> wire;  ///< by step; left empty where bytes are only counted
+    std::vector<uint64_t> wire_sizes;          ///< by step
+    uint64_t wire_bytes = 0;
+    LayerId id = kNoLayer;
+    uint32_t store_steps = 0;
+    uint64_t store_bytes = 0;
+    bool requested = false;      ///< a request for it is under way
+    uint32_t damages = 0;        ///< times that bytes of it came damaged
+    uint32_t failures = 0;       ///< times that a request for it failed
+    uint64_t needed_by = 0;      ///< serial of the last selection that needs it
+    uint64_t drawn_by = 0;       ///< serial of the last update that drew it
+    std::list<CachedLayer*>::iterator in_store, in_wire;  ///< places in the two orders, when resident there
+};
+
+/// Host bytes of an entry with its share of the tables; entries stay once made.
+inline constexpr uint64_t kCachedLayerBytes = sizeof(CachedLayer) + 128;
+
+/// One thread. Never evicts what the current selection needs; what the last update drew goes only when nothing else is left.
+class LayerCache {
+  public:
+    LayerCache(LayerStore& store, HostMemory& host) : store_(store), host_(host) {}
+    ~LayerCache();
+    LayerCache(const LayerCache&) = delete;
+    LayerCache& operator=(const LayerCache&) = delete;
+
+    CachedLayer& at(CacheKey key);
+    CachedLayer* find(CacheKey key);
+
+    void begin_selection() { ++selection_; }
+    void begin_update() { ++update_; }
+    /// Marks as needed by the current selection and most recently used.
+    void need(CachedLayer& layer);
+    bool is_needed(const CachedLayer& layer) const { return layer.needed_by == selection_; }
+    void mark_drawn(CachedLayer& layer) { layer.drawn_by = update_; }
+
+    /// Evicts until `slots` are free. False when what is needed leaves no room.
+    bool free_slots(uint64_t slots);
+    /// Drops wire bytes until `bytes` more fit in the host budget. False when they cannot.
+    bool free_host(uint64_t bytes);
+
+    /// Keeps the next step's wire bytes (or, with `keep` false, only their number).
+    void add_wire(CachedLayer& layer, std::vector<std::byte> bytes, bool keep);
+    void drop_wire_from(CachedLayer& layer, uint32_t step);
+    /// Appends decoded words that bring the layer to `steps` steps. The caller has freed the slots.
+    Status append(CachedLayer& layer, std::span<const uint32_t> words, uint32_t steps);
+    /// The same for a client that does not decode: `bytes` zeros.
+    Status append_zeros(CachedLayer& layer, uint64_t bytes, uint32_t steps);
+    void drop_store(CachedLayer& layer);
+
+    uint64_t slots_used() const { return slots_used_; }
+    uint64_t slot_count() const { return store_.slot_count(); }
+    uint64_t slots_for(uint64_t bytes) const { return store_.slots_for(bytes); }
+
+  private:
+    Status append_piece(CachedLayer& layer, std::span<const uint32_t> words);
+
+    LayerStore& store_;
+    HostMemory& host_;
+    std::unordered_map<CacheKey, CachedLayer> layers_;
+    std::list<CachedLayer*> store_order_, wire_order_;  ///< most recently needed first
+    uint64_t slots_used_ = 0;
+    uint64_t selection_ = 1, update_ = 1;
+};
+
+}  // namespace citystream::client

@@ -1,0 +1,440 @@
+// citystream-fly: flies a camera path over a city and leaves frames, a film and statistics. No display is needed.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <charconv>
+#include <chrono>
+#include <condition_variable>
+#include <cmath>
+#include <csignal>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <thread>
+
+#include "client/path/camera_path.h"
+#include "client/reference/reference_renderer.h"
+#include "client/render/frame_file.h"
+#include "client/render/video_writer.h"
+#include "client/render/vulkan_renderer.h"
+#include "client/stream/byte_count.h"
+#include "client/stream/city_streamer.h"
+#include "client/stream/fetcher.h"
+#include "client/stream/flight_statistics.h"
+
+namespace citystream::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::atomic<bool> stop_requested = false;
+
+extern "C" void request_stop(int) { stop_requested = true; }
+
+struct FlyOptions {
+    std::string place, path, frames_folder, video, stats, size = "1280x720", gpu_budget = "512MiB", host_budget = "1GiB",
+                                                          mode = "offline", network, device, reference;
+    double tolerance = 1, fps = 10;
+    uint32_t supersample = 1;
+    bool list_devices = false, validation = false, json = false;
+    // Parsed:
+    uint32_t width = 0, height = 0;
+    uint64_t gpu_bytes = 0, host_bytes = 0;
+    std::optional<NetworkShape> shape;
+};
+
+int fail(const std::string& what) {
+    fmt::print(stderr, "citystream-fly: {}\n", what);
+    return 1;
+}
+
+double milliseconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+Status parse_size(const std::string& text, uint32_t& width, uint32_t& height) {
+    const size_t cross = text.find('x');
+    const auto number = [](std::string_view part) -> uint32_t {
+        uint32_t value = 0;
+        const auto [end, status] = std::from_chars(part.data(), part.data() + part.size(), value);
+        return status == std::errc{} && end == part.data() + part.size() && value <= 16384 ? value : 0;
+    };
+    width = number(std::string_view(text).substr(0, cross));
+    height = cross == std::string::npos ? 0 : number(std::string_view(text).substr(cross + 1));
+    if (width == 0 || height == 0) return Error{"--size " + text + ": expected WIDTHxHEIGHT, each 1..16384"};
+    return Done{};
+}
+
+Status parse_values(FlyOptions& options) {
+    const Status size = parse_size(options.size, options.width, options.height);
+    if (!size) return size;
+    const auto gpu = parse_byte_count(options.gpu_budget);
+    if (!gpu) return Error{"--gpu-budget: " + gpu.error().text()};
+    const auto host = parse_byte_count(options.host_budget);
+    if (!host) return Error{"--host-budget: " + host.error().text()};
+    options.gpu_bytes = *gpu;
+    options.host_bytes = *host;
+    if (!options.network.empty()) {
+        const auto shape = NetworkShape::parse(options.network);
+        if (!shape) return shape.error();
+        options.shape = *shape;
+    }
+    if (options.path.empty()) return Error{"--path PATH.csv is required"};
+    if (options.place.empty() && options.reference.empty()) return Error{"a URL, a .3tz file or a folder is required"};
+    return Done{};
+}
+
+/// Files of finished frames, written on a thread of its own. Takes at most kMostWaiting frames ahead: memory stays bounded.
+class FrameOutput {
+  public:
+    FrameOutput(std::string folder, std::unique_ptr<VideoWriter> video)
+        : folder_(std::move(folder)), video_(std::move(video)), thread_([this] { work(); }) {}
+    ~FrameOutput() { (void)finish(); }
+    FrameOutput(const FrameOutput&) = delete;
+    FrameOutput& operator=(const FrameOutput&) = delete;
+
+    Status add(FrameImage image) {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [&] { return waiting_.size() < kMostWaiting || failed_; });
+        if (failed_) return *failed_;
+        waiting_.push_back(std::move(image));
+        changed_.notify_all();
+        return Done{};
+    }
+    Status finish() {
+        if (thread_.joinable()) {
+            {
+                const std::lock_guard lock(mutex_);
+                done_ = true;
+            }
+            changed_.notify_all();
+            thread_.join();
+            if (video_ && !failed_) {
+                const Status finished = video_->finish();
+                if (!finished) failed_ = finished.error();
+            }
+        }
+        if (failed_) return *failed_;
+        return Done{};
+    }
+
+  private:
+    static constexpr size_t kMostWaiting = 3;
+
+    void work() {
+        for (uint64_t index = 0;; ++index) {
+            FrameImage image;
+            {
+                std::unique_lock lock(mutex_);
+                changed_.wait(lock, [&] { return !waiting_.empty() || done_; });
+                if (waiting_.empty()) return;
+                image = std::move(waiting_.front());
+                waiting_.pop_front();
+            }
+            changed_.notify_all();
+            const Status written = write(image, index);
+            if (written) continue;
+            const std::lock_guard lock(mutex_);
+            failed_ = written.error();
+            changed_.notify_all();
+            return;
+        }
+    }
+    Status write(const FrameImage& image, uint64_t index) {
+        if (!folder_.empty()) {
+            const Status png = write_png(fmt::format("{}/frame_{:05}.png", folder_, index), image);
+            if (!png) return png;
+        }
+        return video_ ? video_->add(image) : Status(Done{});
+    }
+
+    std::string folder_;
+    std::unique_ptr<VideoWriter> video_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::deque<FrameImage> waiting_;
+    std::optional<Error> failed_;
+    bool done_ = false;
+    std::thread thread_;
+};
+
+Result<std::unique_ptr<FrameOutput>> open_output(const FlyOptions& options) {
+    if (!options.frames_folder.empty()) {
+        std::error_code failure;
+        std::filesystem::create_directories(options.frames_folder, failure);
+        if (failure) return Error{options.frames_folder + ": cannot make the folder: " + failure.message()};
+    }
+    std::unique_ptr<VideoWriter> video;
+    if (!options.video.empty()) {
+        const auto rate = static_cast<uint32_t>(std::max(1.0, std::round(options.fps)));
+        auto created = VideoWriter::create(options.video, {options.width, options.height, rate, VideoOptions{}.quality});
+        if (!created) return created.error();
+        video = std::move(*created);
+    }
+    return std::make_unique<FrameOutput>(options.frames_folder, std::move(video));
+}
+
+/// Gives the time of each frame: a fixed step offline, the wall clock in realtime mode.
+class FrameClock {
+  public:
+    FrameClock(const CameraPath& path, double fps, bool realtime)
+        : begin_(path.samples.front().t), duration_(path.duration()), fps_(fps), realtime_(realtime) {}
+
+    /// Waits for the next frame's moment in realtime mode. Nothing when the path is over.
+    std::optional<double> next() {
+        double t = static_cast<double>(index_) / fps_;
+        if (realtime_) {
+            if (index_ == 0) start_ = Clock::now();
+            // A frame that took too long drops the moments it missed.
+            const double now = std::chrono::duration<double>(Clock::now() - start_).count();
+            index_ = std::max(index_, static_cast<uint64_t>(std::ceil(now * fps_ - 1e-9)));
+            t = static_cast<double>(index_) / fps_;
+            std::this_thread::sleep_until(start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(t)));
+        }
+        if (t > duration_ + 1e-9) return std::nullopt;
+        ++index_;
+        return begin_ + t;
+    }
+    double done(double t) const { return duration_ > 0 ? std::clamp((t - begin_) / duration_, 0.0, 1.0) : 1.0; }
+
+  private:
+    double begin_, duration_, fps_;
+    bool realtime_;
+    uint64_t index_ = 0;
+    Clock::time_point start_;
+};
+
+void show_progress(double done, const std::string& text) {
+    static const bool terminal = ::isatty(STDERR_FILENO) != 0;
+    if (!terminal) return;
+    constexpr int kWidth = 30;
+    const int filled = static_cast<int>(done * kWidth);
+    fmt::print(stderr, "\r[{:=<{}}{: <{}}] {:3.0f}% {}\x1b[K", "", filled, "", kWidth - filled, done * 100, text);
+    if (done >= 1) fmt::print(stderr, "\n");
+}
+
+/// The hard promise of every frame.
+Status check_budgets(const FlyOptions& options, const FlightFrame& frame, uint64_t gpu_allocated) {
+    const StreamerFrame& s = frame.stream;
+    if (s.gpu_bytes_used > options.gpu_bytes || gpu_allocated > options.gpu_bytes) {
+        return Error{fmt::format("frame {}: {} bytes of GPU memory used, over --gpu-budget {}", frame.index,
+                                 std::max(s.gpu_bytes_used, gpu_allocated), options.gpu_budget)};
+    }
+    if (s.host_bytes_used > options.host_bytes) {
+        return Error{fmt::format("frame {}: {} bytes of host memory used, over --host-budget {}", frame.index,
+                                 s.host_bytes_used, options.host_budget)};
+    }
+    return Done{};
+}
+
+Status write_text(const std::string& file, const std::string& text) {
+    std::ofstream out(file, std::ios::binary);
+    out << text;
+    out.close();
+    if (!out) return Error{file + ": cannot write"};
+    return Done{};
+}
+
+FlightDescription describe(const FlyOptions& options, const std::string& device) {
+    FlightDescription description;
+    description.place = options.reference.empty() ? options.place : options.reference;
+    description.path = options.path;
+    description.mode = options.reference.empty() ? options.mode : "reference";
+    description.device = device;
+    description.network = options.network;
+    description.width = options.width;
+    description.height = options.height;
+    description.tolerance_pixels = options.tolerance;
+    description.frames_per_second = options.fps;
+    description.gpu_budget_bytes = options.gpu_bytes;
+    description.host_budget_bytes = options.host_bytes;
+    return description;
+}
+
+Status report(const FlyOptions& options, const FlightStatistics& statistics, const FlightTotals& totals) {
+    if (!options.stats.empty()) {
+        const Status written = write_text(options.stats, statistics.json(totals));
+        if (!written) return written;
+    }
+    if (options.json) fmt::print("{}", statistics.summary_json(totals));
+    if (totals.stopped_early) {
+        fmt::print(stderr, "citystream-fly: stopped by a signal after {} frames\n", statistics.frames().size());
+    }
+    return Done{};
+}
+
+/// The city through the streamer and the Vulkan renderer.
+int fly_city(const FlyOptions& options, const CameraPath& path) {
+    FetcherOptions fetcher_options;
+    fetcher_options.shape = options.shape;
+    auto fetcher = Fetcher::open(options.place, fetcher_options);
+    if (!fetcher) return fail(fetcher.error().text());
+
+    RendererOptions renderer_options;
+    renderer_options.width = options.width;
+    renderer_options.height = options.height;
+    renderer_options.gpu_budget_bytes = options.gpu_bytes;
+    renderer_options.device = options.device;
+    renderer_options.supersample = options.supersample;
+    renderer_options.validation = options.validation;
+    auto renderer = VulkanRenderer::create(renderer_options);
+    if (!renderer) return fail(renderer.error().text());
+
+    StreamerOptions streamer_options;
+    streamer_options.tolerance_pixels = options.tolerance;
+    streamer_options.host_budget_bytes = options.host_bytes;
+    streamer_options.wait_for_selection = options.mode == "offline";
+    streamer_options.stop = &stop_requested;
+    auto streamer = CityStreamer::open(**fetcher, **renderer, streamer_options);
+    if (!streamer) return fail(streamer.error().text());
+
+    auto output = open_output(options);
+    if (!output) return fail(output.error().text());
+    FlightStatistics statistics(describe(options, (*renderer)->device_name()));
+    FrameClock clock(path, options.fps, options.mode == "realtime");
+    for (uint64_t index = 0; !stop_requested; ++index) {
+        const std::optional<double> t = clock.next();
+        if (!t || stop_requested) break;
+        const Clock::time_point begin = Clock::now();
+        const Camera camera = Camera::from_sample(path.at(*t), options.width, options.height);
+        FlightFrame frame;
+        frame.index = index;
+        frame.t = *t;
+        const std::vector<TileDraw>& draws = (*streamer)->update(camera, frame.stream);
+        if (stop_requested) break;
+        auto image = (*renderer)->draw(camera, draws, &frame.timings);
+        if (!image) return fail(fmt::format("frame {}: {}", index, image.error().text()));
+        frame.total_ms = milliseconds_since(begin);
+        for (const std::string& warning : frame.stream.warnings) {
+            fmt::print(stderr, "citystream-fly: warning: {}\n", warning);
+        }
+        const Status budgets = check_budgets(options, frame, (*renderer)->gpu_bytes_allocated());
+        const std::string text = fmt::format("{} tiles, {:.2f} px", frame.stream.tiles_drawn, frame.stream.tolerance_used);
+        statistics.add(std::move(frame));
+        if (!budgets) return fail(budgets.error().text());
+        const Status added = (*output)->add(std::move(*image));
+        if (!added) return fail(added.error().text());
+        show_progress(clock.done(*t), text);
+    }
+    const Status finished = (*output)->finish();
+    if (!finished) return fail(finished.error().text());
+    FlightTotals totals;
+    totals.fetcher = (*fetcher)->statistics();
+    totals.frame_buffer_bytes = (*renderer)->frame_buffer_bytes();
+    totals.gpu_bytes_allocated = (*renderer)->gpu_bytes_allocated();
+    totals.validation_messages = (*renderer)->validation_messages();
+    totals.stopped_early = stop_requested;
+    const Status reported = report(options, statistics, totals);
+    if (!reported) return fail(reported.error().text());
+    if (totals.validation_messages > 0) return fail(fmt::format("{} validation messages", totals.validation_messages));
+    return 0;
+}
+
+/// The uncompressed city through the reference renderer.
+int fly_reference(const FlyOptions& options, const CameraPath& path) {
+    ReferenceOptions reference_options;
+    reference_options.width = options.width;
+    reference_options.height = options.height;
+    reference_options.supersample = options.supersample;
+    auto renderer = ReferenceRenderer::create(options.reference, reference_options);
+    if (!renderer) return fail(renderer.error().text());
+    auto output = open_output(options);
+    if (!output) return fail(output.error().text());
+    FlightStatistics statistics(describe(options, (*renderer)->device_name()));
+    FrameClock clock(path, options.fps, false);
+    for (uint64_t index = 0; !stop_requested; ++index) {
+        const std::optional<double> t = clock.next();
+        if (!t) break;
+        const Clock::time_point begin = Clock::now();
+        auto image = (*renderer)->draw(Camera::from_sample(path.at(*t), options.width, options.height));
+        if (!image) return fail(fmt::format("frame {}: {}", index, image.error().text()));
+        FlightFrame frame;
+        frame.index = index;
+        frame.t = *t;
+        frame.total_ms = milliseconds_since(begin);
+        frame.timings.gpu_total_ms = (*renderer)->last_frame_ms();
+        frame.stream.gpu_bytes_used = (*renderer)->gpu_bytes();
+        statistics.add(std::move(frame));
+        const Status added = (*output)->add(std::move(*image));
+        if (!added) return fail(added.error().text());
+        show_progress(clock.done(*t), "reference");
+    }
+    const Status finished = (*output)->finish();
+    if (!finished) return fail(finished.error().text());
+    FlightTotals totals;
+    totals.stopped_early = stop_requested;
+    const Status reported = report(options, statistics, totals);
+    return reported ? 0 : fail(reported.error().text());
+}
+
+constexpr const char* kExamples = R"(Examples:
+  citystream-fly http://localhost:8080 --path tour.csv --frames out/
+  citystream-fly city.3tz --path tour.csv --video tour.mp4 --stats tour.json --tolerance 2
+  citystream-fly city.3tz --path tour.csv --gpu-budget 64MiB --host-budget 128MiB --json
+  citystream-fly http://localhost:8080/city --path tour.csv --mode realtime --network 5mbit,38ms
+  citystream-fly --reference city.glb --path tour.csv --frames reference/)";
+
+void add_options(CLI::App& app, FlyOptions& options) {
+    app.add_option("place", options.place, "http://host:port[/city], a .3tz archive, or an unpacked folder");
+    app.add_option("--path", options.path, "camera path: CSV with the columns t,x,y,z,yaw,pitch,fov");
+    app.add_option("--size", options.size, "frame size in pixels")->capture_default_str();
+    app.add_option("--tolerance", options.tolerance, "largest error in pixels")->capture_default_str()->check(CLI::Range(0.01, 1e6));
+    app.add_option("--frames", options.frames_folder, "folder for the frames (PNG)");
+    app.add_option("--video", options.video, "film of the frames (MP4)");
+    app.add_option("--stats", options.stats, "statistics of every frame (JSON)");
+    app.add_option("--gpu-budget", options.gpu_budget, "most GPU memory for tiles")->capture_default_str();
+    app.add_option("--host-budget", options.host_budget, "most host memory for tiles")->capture_default_str();
+    app.add_option("--mode", options.mode, "offline: each frame waits for all it asked for; realtime: draws what is there")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"offline", "realtime"}));
+    app.add_option("--fps", options.fps, "frames per second of the path")->capture_default_str()->check(CLI::Range(0.001, 1000.0));
+    app.add_option("--network", options.network, "shape the network: RATE,ROUNDTRIP, for example 5mbit,38ms");
+    app.add_option("--device", options.device, "part of a device's name, or its index");
+    app.add_option("--supersample", options.supersample, "samples per pixel and axis")->capture_default_str()->check(CLI::Range(1, 2));
+    app.add_option("--reference", options.reference, "draw this uncompressed city (.glb) with the reference renderer instead");
+    app.add_flag("--list-devices", options.list_devices, "list the devices and exit");
+    app.add_flag("--validation", options.validation, "run with the Vulkan validation layer; messages fail the flight");
+    app.add_flag("--json", options.json, "print the summary as JSON");
+    app.set_version_flag("--version", std::string("citystream-fly ") + CITYSTREAM_VERSION);
+    app.footer(kExamples);
+}
+
+int run(int argc, char** argv) {
+    CLI::App app{"Flies a camera path over a streamed city, without a display."};
+    FlyOptions options;
+    add_options(app, options);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    if (options.list_devices) {
+        for (const std::string& line : list_devices()) fmt::print("{}\n", line);
+        return 0;
+    }
+    const Status parsed = parse_values(options);
+    if (!parsed) {
+        fail(parsed.error().text());
+        return 2;
+    }
+    std::signal(SIGINT, request_stop);
+    std::signal(SIGTERM, request_stop);
+    const auto path = read_camera_path(options.path);
+    if (!path) return fail(path.error().text());
+    return options.reference.empty() ? fly_city(options, *path) : fly_reference(options, *path);
+}
+
+}  // namespace
+}  // namespace citystream::client
+
+int main(int argc, char** argv) {
+    try {
+        return citystream::client::run(argc, argv);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "citystream-fly: {}\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,93 @@
+#include "client/load/city_index.h"
+
+#include <charconv>
+#include <mutex>
+#include <utility>
+
+#include "codec/grid.h"
+#include "tiles/tileset/facade_index.h"
+#include "tiles/tileset/tileset_json.h"
+
+namespace citystream::client {
+
+using tiles::tileset::Layer;
+using tiles::tileset::TileAddress;
+using tiles::tileset::TileRecord;
+
+namespace {
+
+bool shows(const TileDraw& draw, const TileRecord& record) {
+    const auto& steps = record.steps(Layer::kMesh);
+    if (draw.mesh_step_words.size() > steps.size()) return false;
+    for (size_t i = 0; i < draw.mesh_step_words.size(); ++i) {
+        if (steps[i].decoded_bytes / 4 != draw.mesh_step_words[i]) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+std::optional<TileAddress> address_in_path(std::string_view path, std::string_view folder) {
+    if (!path.starts_with(folder)) return std::nullopt;
+    path.remove_prefix(folder.size());
+    TileAddress address;
+    for (uint32_t* part : {&address.level, &address.x, &address.y}) {
+        if (!path.starts_with('/')) return std::nullopt;
+        const auto [end, error] = std::from_chars(path.data() + 1, path.data() + path.size(), *part);
+        if (error != std::errc()) return std::nullopt;
+        path.remove_prefix(static_cast<size_t>(end - path.data()));
+    }
+    if (!path.starts_with('.')) return std::nullopt;
+    return address;
+}
+
+void CityIndex::learn(const std::string& path, std::span<const std::byte> bytes) {
+    const auto subtree = address_in_path(path, "subtrees");
+    const bool tileset = path == tiles::tileset::kTilesetPath, facades = path == tiles::tileset::kFacadeIndexPath;
+    if (!subtree && !tileset && !facades) return;
+    const std::unique_lock lock(mutex_);
+    if (known_paths_.contains(path)) return;
+    if (tileset) {
+        auto manifest = tiles::tileset::parse_tileset_json(bytes);
+        if (!manifest) return;
+        manifest_ = std::move(*manifest);
+    } else if (!manifest_) {
+        return;
+    } else if (subtree) {
+        learn_subtree(*subtree, bytes);
+    } else {
+        const auto maps = tiles::tileset::parse_facade_index(bytes, *manifest_);
+        if (!maps) return;
+        for (const auto& map : *maps) map_ends_.push_back(map.end);
+    }
+    known_paths_.insert(path);
+}
+
+void CityIndex::learn_subtree(TileAddress root, std::span<const std::byte> bytes) {
+    auto subtree = tiles::tileset::parse_subtree(bytes, root, *manifest_);
+    if (!subtree) return;
+    subtrees_.push_back(std::move(*subtree));
+    for (const TileRecord& record : subtrees_.back().tiles) {
+        const GridPoint origin = manifest_->tile_origin(record);
+        by_origin_[{origin.x, origin.y, origin.z}].push_back(&record);
+    }
+}
+
+const TileRecord* CityIndex::find(const TileDraw& draw) const {
+    const std::shared_lock lock(mutex_);
+    const auto found = by_origin_.find({to_grid(draw.origin[0]), to_grid(draw.origin[1]), to_grid(draw.origin[2])});
+    if (found == by_origin_.end()) return nullptr;
+    const TileRecord* best = nullptr;
+    for (const TileRecord* record : found->second) {
+        if (shows(draw, *record) && (best == nullptr || record->address.level > best->address.level)) best = record;
+    }
+    return best;
+}
+
+uint64_t CityIndex::map_bytes(uint32_t map) const {
+    const std::shared_lock lock(mutex_);
+    if (map >= map_ends_.size()) return 0;
+    return map_ends_[map] - (map == 0 ? 0 : map_ends_[map - 1]);
+}
+
+}  // namespace citystream::client

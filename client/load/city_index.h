@@ -1,0 +1,48 @@
+// The directory of the city under load as its clients have received it: which tile a draw shows, and how many wire bytes a prefix has.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <map>
+#include <optional>
+#include <set>
+#include <shared_mutex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "client/render/frame.h"
+#include "tiles/tileset/directory.h"
+#include "tiles/tileset/subtree.h"
+
+namespace citystream::client {
+
+/// Address in "tiles/LEVEL/X/Y.LAYER" or "subtrees/LEVEL/X/Y.subtree"; nothing for other paths.
+std::optional<tiles::tileset::TileAddress> address_in_path(std::string_view path, std::string_view folder);
+
+/// Shared by all clients of a run: thread-safe. Records stay where they are once learnt.
+class CityIndex {
+  public:
+    /// Learns from a received piece of the directory (tileset.json, a subtree, the facade index); others and repeated ones are ignored.
+    void learn(const std::string& path, std::span<const std::byte> bytes);
+    /// The record of the tile that is drawn, or null. A draw names no address, so it is found by its origin and the words of its mesh steps.
+    const tiles::tileset::TileRecord* find(const TileDraw& draw) const;
+    /// Wire bytes of a facade map; 0 when the facade index is not known.
+    uint64_t map_bytes(uint32_t map) const;
+
+  private:
+    using Origin = std::tuple<int64_t, int64_t, int64_t>;
+    void learn_subtree(tiles::tileset::TileAddress root, std::span<const std::byte> bytes);
+
+    mutable std::shared_mutex mutex_;
+    std::set<std::string> known_paths_;
+    std::optional<tiles::tileset::Manifest> manifest_;
+    std::list<tiles::tileset::Subtree> subtrees_;
+    std::map<Origin, std::vector<const tiles::tileset::TileRecord*>> by_origin_;
+    std::vector<uint64_t> map_ends_;
+};
+
+}  // namespace citystream::client

@@ -1,0 +1,48 @@
+// What one client has drawn so far: the wire bytes that were worth receiving, and which tiles have just become visible.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <unordered_map>
+#include <vector>
+
+#include "client/cache/host_layer_store.h"
+#include "client/load/city_index.h"
+#include "client/render/frame.h"
+
+namespace citystream::client {
+
+/// One thread. Both references outlive it.
+class DrawnPrefixes {
+  public:
+    DrawnPrefixes(const CityIndex& index, const HostLayerStore& store) : index_(index), store_(store) {}
+
+    /// Takes in the draws of one update. `on_tile` hears of each tile that could be named: `appeared` tells whether it is drawn for the first time since
+    /// it was brought to the store.
+    void note(const std::vector<TileDraw>& draws, const std::function<void(tiles::tileset::TileAddress, bool appeared)>& on_tile);
+
+    /// Sum over all layers of the longest prefix ever drawn, and of all facade maps ever drawn.
+    uint64_t bytes() const { return bytes_; }
+
+  private:
+    struct Shown {
+        const tiles::tileset::TileRecord* record = nullptr;
+        size_t mesh_steps = 0;
+        uint64_t atlas_bytes = 0;
+        LayerId facade = kNoLayer;
+    };
+    void credit(const tiles::tileset::TileRecord& record, tiles::tileset::Layer layer, uint64_t decoded_bytes);
+    void credit_draw(const TileDraw& draw, Shown& shown);
+
+    const CityIndex& index_;
+    const HostLayerStore& store_;
+    std::unordered_map<LayerId, Shown> shown_;  ///< by mesh
+    std::map<tiles::tileset::TileAddress, std::array<uint64_t, tiles::tileset::kLayerCount>> credited_;
+    std::set<uint32_t> maps_;
+    uint64_t bytes_ = 0;
+};
+
+}  // namespace citystream::client

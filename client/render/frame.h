@@ -1,0 +1,45 @@
+// What one frame is made of: the seam between the streamer and the renderers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "client/cache/layer_store.h"
+
+namespace citystream::client {
+
+/// One facade map that a tile draw uses: `map` is the dictionary index that placements name.
+struct FacadeMapBinding {
+    uint32_t map = 0;
+    LayerId layer = kNoLayer;
+};
+
+/// One tile to draw, with the prefixes that are resident.
+struct TileDraw {
+    std::array<double, 3> origin{};        ///< metres, absolute: what tile-relative positions count from
+    LayerId mesh = kNoLayer;
+    std::vector<uint32_t> mesh_step_words; ///< words of each resident step
+    uint32_t mesh_triangles = 0;
+    uint32_t mesh_dressed_begin = 0;
+    LayerId atlas = kNoLayer;              ///< kNoLayer: flat grey
+    uint32_t atlas_finest_mip = 0;
+    LayerId facade = kNoLayer;             ///< when set, dressed triangles are not drawn; placements are ray cast instead
+    uint32_t facade_placements = 0;
+    std::vector<FacadeMapBinding> facade_maps;  ///< sorted by map
+};
+
+/// 8-bit RGBA, top row first.
+struct FrameImage {
+    uint32_t width = 0, height = 0;
+    std::vector<uint8_t> rgba;
+};
+
+/// Time by stage in milliseconds; GPU stages from timestamps.
+struct FrameTimings {
+    double gpu_mesh_ms = 0, gpu_facade_ms = 0, gpu_total_ms = 0, cpu_record_ms = 0, readback_ms = 0;
+};
+
+}  // namespace citystream::client

@@ -1,0 +1,159 @@
+#include "client/render/pipelines.h"
+
+#include <array>
+
+#include "client/render/draw_layout.h"
+#include "shaders/facade.frag.h"
+#include "shaders/facade.vert.h"
+#include "shaders/mesh.frag.h"
+#include "shaders/mesh.vert.h"
+
+namespace citystream::client {
+namespace {
+
+// Counter-clockwise from outside: u right, v up, w outwards is a right-handed frame.
+constexpr std::array<uint16_t, 36> kBoxIndices = {
+    0, 2, 1, 1, 2, 3,  // w low
+    4, 5, 6, 5, 7, 6,  // w high
+    0, 4, 2, 2, 4, 6,  // u low
+    1, 3, 5, 3, 7, 5,  // u high
+    0, 1, 4, 1, 5, 4,  // v low
+    2, 6, 3, 3, 6, 7,  // v high
+};
+
+VkShaderModule create_module(const Device& device, std::span<const uint32_t> code) {
+    auto info = vk_struct<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
+    info.codeSize = code.size_bytes();
+    info.pCode = code.data();
+    VkShaderModule module = VK_NULL_HANDLE;
+    vk_check(vkCreateShaderModule(device.handle, &info, nullptr, &module), "vkCreateShaderModule");
+    return module;
+}
+
+VkPipelineLayout create_layout(const Device& device, VkShaderStageFlags stages, uint32_t constant_bytes) {
+    const VkPushConstantRange range{stages, 0, constant_bytes};
+    auto info = vk_struct<VkPipelineLayoutCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO);
+    info.pushConstantRangeCount = 1;
+    info.pPushConstantRanges = &range;
+    VkPipelineLayout layout = VK_NULL_HANDLE;
+    vk_check(vkCreatePipelineLayout(device.handle, &info, nullptr, &layout), "vkCreatePipelineLayout");
+    return layout;
+}
+
+VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module) {
+    auto info = vk_struct<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
+    info.stage = stage;
+    info.module = module;
+    info.pName = "main";
+    return info;
+}
+
+VkPipeline create_graphics_pipeline(const Device& device, VkRenderPass pass, VkPipelineLayout layout,
+                                    std::span<const VkPipelineShaderStageCreateInfo> stages, VkCullModeFlags cull) {
+    const auto vertex_input = vk_struct<VkPipelineVertexInputStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO);
+    auto assembly = vk_struct<VkPipelineInputAssemblyStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO);
+    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
+    auto viewport = vk_struct<VkPipelineViewportStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO);
+    viewport.viewportCount = viewport.scissorCount = 1;
+    auto raster = vk_struct<VkPipelineRasterizationStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO);
+    raster.cullMode = cull;
+    raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
+    raster.lineWidth = 1.0f;
+    auto samples = vk_struct<VkPipelineMultisampleStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO);
+    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
+    auto depth = vk_struct<VkPipelineDepthStencilStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
+    depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
+    depth.depthCompareOp = VK_COMPARE_OP_GREATER;
+    VkPipelineColorBlendAttachmentState opaque{};
+    opaque.colorWriteMask = VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT |
+                            VK_COLOR_COMPONENT_A_BIT;
+    auto blend = vk_struct<VkPipelineColorBlendStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO);
+    blend.attachmentCount = 1;
+    blend.pAttachments = &opaque;
+    const VkDynamicState dynamic_states[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
+    auto dynamic = vk_struct<VkPipelineDynamicStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO);
+    dynamic.dynamicStateCount = 2;
+    dynamic.pDynamicStates = dynamic_states;
+
+    auto info = vk_struct<VkGraphicsPipelineCreateInfo>(VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO);
+    info.stageCount = static_cast<uint32_t>(stages.size());
+    info.pStages = stages.data();
+    info.pVertexInputState = &vertex_input;
+    info.pInputAssemblyState = &assembly;
+    info.pViewportState = &viewport;
+    info.pRasterizationState = &raster;
+    info.pMultisampleState = &samples;
+    info.pDepthStencilState = &depth;
+    info.pColorBlendState = &blend;
+    info.pDynamicState = &dynamic;
+    info.layout = layout;
+    info.renderPass = pass;
+    VkPipeline pipeline = VK_NULL_HANDLE;
+    vk_check(vkCreateGraphicsPipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
+             "vkCreateGraphicsPipelines");
+    return pipeline;
+}
+
+Pass create_drawing_pass(const Device& device, VkRenderPass render_pass, std::span<const uint32_t> vertex,
+                         std::span<const uint32_t> fragment, VkCullModeFlags cull) {
+    Pass pass;
+    std::array<VkShaderModule, 2> modules{};
+    const auto destroy_modules = [&] {
+        for (VkShaderModule module : modules) vkDestroyShaderModule(device.handle, module, nullptr);
+    };
+    try {
+        modules[0] = create_module(device, vertex);
+        modules[1] = create_module(device, fragment);
+        const std::array<VkPipelineShaderStageCreateInfo, 2> stages = {
+            stage_info(VK_SHADER_STAGE_VERTEX_BIT, modules[0]), stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1])};
+        pass.layout = create_layout(device, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT,
+                                    sizeof(DrawConstants));
+        pass.handle = create_graphics_pipeline(device, render_pass, pass.layout, stages, cull);
+    } catch (const VulkanError&) {
+        destroy_modules();
+        destroy_pass(device, pass);
+        throw;
+    }
+    destroy_modules();
+    return pass;
+}
+
+}  // namespace
+
+std::span<const uint16_t> box_indices() { return kBoxIndices; }
+
+Pass create_mesh_pass(const Device& device, VkRenderPass render_pass) {
+    return create_drawing_pass(device, render_pass, k_mesh_vert, k_mesh_frag, VK_CULL_MODE_NONE);
+}
+
+Pass create_facade_pass(const Device& device, VkRenderPass render_pass) {
+    return create_drawing_pass(device, render_pass, k_facade_vert, k_facade_frag, VK_CULL_MODE_FRONT_BIT);
+}
+
+Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes) {
+    Pass pass;
+    VkShaderModule module = create_module(device, code);
+    auto info = vk_struct<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
+    info.stage = stage_info(VK_SHADER_STAGE_COMPUTE_BIT, module);
+    VkResult result = VK_SUCCESS;
+    try {
+        pass.layout = create_layout(device, VK_SHADER_STAGE_COMPUTE_BIT, constant_bytes);
+        info.layout = pass.layout;
+        result = vkCreateComputePipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr, &pass.handle);
+        vk_check(result, "vkCreateComputePipelines");
+    } catch (const VulkanError&) {
+        vkDestroyShaderModule(device.handle, module, nullptr);
+        destroy_pass(device, pass);
+        throw;
+    }
+    vkDestroyShaderModule(device.handle, module, nullptr);
+    return pass;
+}
+
+void destroy_pass(const Device& device, Pass& pass) {
+    vkDestroyPipeline(device.handle, pass.handle, nullptr);
+    vkDestroyPipelineLayout(device.handle, pass.layout, nullptr);
+    pass = {};
+}
+
+}  // namespace citystream::client

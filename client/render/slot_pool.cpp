@@ -1,0 +1,177 @@
+#include "client/render/slot_pool.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace citystream::client {
+namespace {
+
+constexpr uint64_t kSlotWords = kSlotBytes / 4;
+constexpr uint64_t kStagingBytes = 1 << 20;
+
+// Slots of chunk `chunk`; the last chunk is smaller when the budget is no multiple of the chunk.
+uint64_t slots_of_chunk(const SlotPool& pool, uint64_t chunk) {
+    return std::min(kSlotsPerChunk, pool.slot_count - chunk * kSlotsPerChunk);
+}
+
+void add_chunk(SlotPool& pool) {
+    const uint64_t slots = slots_of_chunk(pool, pool.chunks.size());
+    const BufferPlace place = pool.direct ? BufferPlace::kDeviceHost : BufferPlace::kDevice;
+    pool.chunks.push_back(create_buffer(*pool.device, slots * kSlotBytes, place));
+    pool.used.resize(pool.used.size() + slots, 0);
+}
+
+// First run of `count` free slots in one chunk of those allocated; the end of `used` when there is none.
+uint64_t find_free_run(const SlotPool& pool, uint64_t count) {
+    uint64_t run = 0;
+    for (uint64_t slot = pool.first_free_hint; slot < pool.used.size(); ++slot) {
+        if (slot % kSlotsPerChunk == 0) run = 0;
+        run = pool.used[slot] != 0 ? 0 : run + 1;
+        if (run == count) return slot + 1 - count;
+    }
+    return pool.used.size();
+}
+
+void take_slot(SlotPool& pool, SlotLayer& layer, uint64_t slot) {
+    pool.used[slot] = 1;
+    ++pool.slots_used;
+    layer.slots.push_back(static_cast<uint32_t>(slot));
+}
+
+void advance_hint(SlotPool& pool) {
+    while (pool.first_free_hint < pool.used.size() && pool.used[pool.first_free_hint] != 0) ++pool.first_free_hint;
+}
+
+// The slots that follow the layer's last one, if they are free and enough: a refined layer stays in one piece.
+bool extend_in_place(SlotPool& pool, SlotLayer& layer, uint64_t count) {
+    if (layer.slots.empty()) return false;
+    const uint64_t begin = layer.slots.back() + uint64_t{1};
+    const uint64_t end = begin + count;
+    if (end > pool.used.size() || (end - 1) / kSlotsPerChunk != layer.slots.back() / kSlotsPerChunk) return false;
+    if (std::any_of(pool.used.begin() + begin, pool.used.begin() + end, [](uint8_t u) { return u != 0; })) return false;
+    for (uint64_t slot = begin; slot < end; ++slot) take_slot(pool, layer, slot);
+    return true;
+}
+
+// Takes `count` slots, in one run where possible. The caller has checked that the budget holds them.
+void take_slots(SlotPool& pool, SlotLayer& layer, uint64_t count) {
+    if (count == 0 || extend_in_place(pool, layer, count)) return;
+    uint64_t begin = count <= kSlotsPerChunk ? find_free_run(pool, count) : pool.used.size();
+    while (begin == pool.used.size() && pool.used.size() < pool.slot_count) {
+        add_chunk(pool);
+        if (count <= kSlotsPerChunk) begin = find_free_run(pool, count);
+    }
+    if (begin < pool.used.size()) {
+        for (uint64_t slot = begin; slot < begin + count; ++slot) take_slot(pool, layer, slot);
+        return;
+    }
+    for (uint64_t slot = pool.first_free_hint; count > 0; ++slot) {
+        if (pool.used[slot] != 0) continue;
+        take_slot(pool, layer, slot);
+        --count;
+    }
+}
+
+void write_staged(SlotPool& pool, uint32_t slot, uint64_t byte, std::span<const uint32_t> words) {
+    if (pool.staging.handle == VK_NULL_HANDLE) {
+        pool.staging = create_buffer(*pool.device, kStagingBytes, BufferPlace::kUpload);
+    }
+    std::memcpy(pool.staging.mapped, words.data(), words.size_bytes());
+    submit_and_wait(*pool.device, [&](VkCommandBuffer commands) {
+        const VkBufferCopy copy{0, slot % kSlotsPerChunk * kSlotBytes + byte, words.size_bytes()};
+        vkCmdCopyBuffer(commands, pool.staging.handle, pool.chunks[slot / kSlotsPerChunk].handle, 1, &copy);
+        memory_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                       VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT);
+    });
+}
+
+void write_slot(SlotPool& pool, uint32_t slot, uint64_t word, std::span<const uint32_t> words) {
+    if (!pool.direct) {
+        write_staged(pool, slot, word * 4, words);
+        return;
+    }
+    auto* base = static_cast<std::byte*>(pool.chunks[slot / kSlotsPerChunk].mapped);
+    std::memcpy(base + slot % kSlotsPerChunk * kSlotBytes + word * 4, words.data(), words.size_bytes());
+}
+
+}  // namespace
+
+SlotPool create_slot_pool(const Device& device, uint64_t budget_bytes, bool allow_direct) {
+    SlotPool pool;
+    pool.device = &device;
+    pool.slot_count = budget_bytes / kSlotBytes;
+    pool.direct = allow_direct && has_device_host_memory(device, budget_bytes);
+    return pool;
+}
+
+void destroy_slot_pool(SlotPool& pool) {
+    for (Buffer& chunk : pool.chunks) destroy_buffer(*pool.device, chunk);
+    if (pool.device != nullptr) destroy_buffer(*pool.device, pool.staging);
+    pool = {};
+}
+
+LayerId create_layer(SlotPool& pool) {
+    LayerId id = static_cast<LayerId>(pool.layers.size());
+    if (pool.free_layers.empty()) {
+        pool.layers.emplace_back();
+    } else {
+        id = pool.free_layers.back();
+        pool.free_layers.pop_back();
+    }
+    pool.layers[id].live = true;
+    return id;
+}
+
+Status append_words(SlotPool& pool, LayerId id, std::span<const uint32_t> words) {
+    if (!is_live(pool, id)) return Error{"append to a layer that does not exist"};
+    SlotLayer& layer = pool.layers[id];
+    const uint64_t needed = (layer.words + words.size() + kSlotWords - 1) / kSlotWords - layer.slots.size();
+    if (needed > pool.slot_count - pool.slots_used) {
+        return Error{"GPU budget exhausted: " + std::to_string(needed) + " slots needed, " +
+                     std::to_string(pool.slot_count - pool.slots_used) + " free"};
+    }
+    take_slots(pool, layer, needed);
+    advance_hint(pool);
+    while (!words.empty()) {
+        const uint64_t word = layer.words % kSlotWords;
+        const uint64_t count = std::min<uint64_t>(words.size(), kSlotWords - word);
+        write_slot(pool, layer.slots[layer.words / kSlotWords], word, words.first(count));
+        layer.words += count;
+        words = words.subspan(count);
+    }
+    return Done{};
+}
+
+void destroy_layer(SlotPool& pool, LayerId id) {
+    if (!is_live(pool, id)) return;
+    SlotLayer& layer = pool.layers[id];
+    for (const uint32_t slot : layer.slots) {
+        pool.used[slot] = 0;
+        pool.first_free_hint = std::min(pool.first_free_hint, slot);
+    }
+    pool.slots_used -= layer.slots.size();
+    layer = {};
+    pool.free_layers.push_back(id);
+}
+
+bool is_live(const SlotPool& pool, LayerId id) { return id < pool.layers.size() && pool.layers[id].live; }
+
+VkDeviceAddress slot_address(const SlotPool& pool, uint32_t slot) {
+    return pool.chunks[slot / kSlotsPerChunk].address + slot % kSlotsPerChunk * kSlotBytes;
+}
+
+bool is_contiguous(const SlotPool& pool, const SlotLayer& layer) {
+    for (size_t i = 1; i < layer.slots.size(); ++i) {
+        if (slot_address(pool, layer.slots[i]) != slot_address(pool, layer.slots[i - 1]) + kSlotBytes) return false;
+        if (layer.slots[i] / kSlotsPerChunk != layer.slots[0] / kSlotsPerChunk) return false;
+    }
+    return true;
+}
+
+uint64_t allocated_bytes(const SlotPool& pool) {
+    uint64_t bytes = 0;
+    for (const Buffer& chunk : pool.chunks) bytes += chunk.bytes;
+    return bytes;
+}
+
+}  // namespace citystream::client

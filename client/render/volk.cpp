@@ -1,0 +1,3 @@
+// The one place where the Vulkan loader's entry points are defined.
+#define VOLK_IMPLEMENTATION
+#include <volk.h>

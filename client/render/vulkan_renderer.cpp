@@ -1,0 +1,358 @@
+#include "client/render/vulkan_renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "client/render/device_choice.h"
+#include "client/render/draw_layout.h"
+#include "client/render/frame_records.h"
+#include "client/render/lighting_layout.h"
+#include "client/render/pipelines.h"
+#include "client/render/slot_pool.h"
+#include "shaders/box_filter.comp.h"
+
+namespace citystream::client {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+// Stages between two timestamps each.
+enum Timestamp : uint32_t { kBegin, kMeshDone, kFacadesDone, kEnd, kTimestampCount };
+
+constexpr VkShaderStageFlags kDrawStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+
+void split(VkDeviceAddress address, uint32_t out[2]) {
+    out[0] = static_cast<uint32_t>(address);
+    out[1] = static_cast<uint32_t>(address >> 32);
+}
+
+// Distance from the camera to the tile's origin decides the order: exact enough for early depth tests, and the same in every run.
+double origin_distance(const Camera& camera, const TileDraw& tile) {
+    double sum = 0;
+    for (size_t i = 0; i < 3; ++i) {
+        const double d = tile.origin[i] - camera.position[i];
+        sum += d * d;
+    }
+    return sum;
+}
+
+std::vector<size_t> front_to_back(const Camera& camera, std::span<const TileDraw> tiles) {
+    std::vector<double> distance(tiles.size());
+    for (size_t i = 0; i < tiles.size(); ++i) distance[i] = origin_distance(camera, tiles[i]);
+    std::vector<size_t> order(tiles.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return distance[a] < distance[b]; });
+    return order;
+}
+
+bool has_facades(const TileDraw& tile) { return tile.facade != kNoLayer && tile.facade_placements > 0; }
+
+class Renderer final : public VulkanRenderer {
+  public:
+    explicit Renderer(const RendererOptions& options) : options_(options) {}
+    Renderer(const Renderer&) = delete;
+    Renderer& operator=(const Renderer&) = delete;
+    ~Renderer() override;
+
+    Status start();
+
+    uint64_t slot_bytes() const override { return kSlotBytes; }
+    uint64_t slot_count() const override { return pool_.slot_count; }
+    uint64_t slots_used() const override { return pool_.slots_used; }
+    LayerId create() override { return create_layer(pool_); }
+    Status append(LayerId layer, std::span<const uint32_t> words) override;
+    void destroy(LayerId layer) override { destroy_layer(pool_, layer); }
+
+    Result<FrameImage> draw(const Camera& camera, std::span<const TileDraw> tiles, FrameTimings* timings) override;
+    std::string device_name() const override { return device_.name; }
+    uint64_t frame_buffer_bytes() const override;
+    uint64_t gpu_bytes_allocated() const override { return allocated_bytes(pool_); }
+    uint64_t validation_messages() const override { return instance_.messages ? instance_.messages->load() : 0; }
+    bool has_facade_pipeline() const override { return facade_.handle != VK_NULL_HANDLE; }
+
+  private:
+    struct DrawnTile {
+        const TileDraw* tile;
+        VkDeviceAddress record;
+    };
+
+    void ensure_records(uint64_t words);
+    void ensure_facade_pass();
+    void warm_up(const Pass& pass, bool boxes);
+    Status write_records(const Camera& camera, std::span<const TileDraw> tiles);
+    void record_frame(VkCommandBuffer commands);
+    void record_meshes(VkCommandBuffer commands);
+    void record_facades(VkCommandBuffer commands);
+    void record_readback(VkCommandBuffer commands);
+    void push_constants(VkCommandBuffer commands, const Pass& pass, VkDeviceAddress record) const;
+    void mark(VkCommandBuffer commands, Timestamp stamp) const;
+    void read_timestamps(FrameTimings& timings) const;
+    FrameImage read_frame() const;
+
+    RendererOptions options_;
+    std::array<float, 4> clear_{};
+    Instance instance_;
+    Device device_;
+    SlotPool pool_;
+    FrameTarget target_;
+    Pass mesh_, facade_, filter_;
+    Buffer box_indices_;
+    Buffer records_;
+    VkQueryPool timestamps_ = VK_NULL_HANDLE;
+    VkDeviceAddress frame_record_ = 0;
+    std::vector<DrawnTile> drawn_;
+};
+
+Renderer::~Renderer() {
+    if (device_.handle != VK_NULL_HANDLE) {
+        vkDeviceWaitIdle(device_.handle);
+        destroy_slot_pool(pool_);
+        destroy_frame_target(device_, target_);
+        for (Pass* pass : {&mesh_, &facade_, &filter_}) destroy_pass(device_, *pass);
+        destroy_buffer(device_, box_indices_);
+        destroy_buffer(device_, records_);
+        vkDestroyQueryPool(device_.handle, timestamps_, nullptr);
+    }
+    destroy_device(device_);
+    destroy_instance(instance_);
+}
+
+Status Renderer::start() {
+    clear_ = {static_cast<float>(SKY_R), static_cast<float>(SKY_G), static_cast<float>(SKY_B), 1};
+    if (options_.background[0] >= 0) {
+        clear_ = options_.background;
+        clear_[3] = 1;
+    }
+    instance_ = create_instance(options_.validation);
+    const std::vector<EglDevice> egl = options_.device.empty() ? enumerate_egl_devices() : std::vector<EglDevice>();
+    const Result<VkPhysicalDevice> physical = choose_device(instance_, options_.device, egl);
+    if (!physical) return physical.error();
+    device_ = create_device(*physical);
+    pool_ = create_slot_pool(device_, options_.gpu_budget_bytes);
+    target_ = create_frame_target(device_, options_.width, options_.height, options_.supersample);
+    mesh_ = create_mesh_pass(device_, target_.clear_pass);
+    if (options_.supersample > 1) filter_ = create_compute_pass(device_, k_box_filter_comp, sizeof(FilterConstants));
+    auto queries = vk_struct<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
+    queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    queries.queryCount = kTimestampCount;
+    vk_check(vkCreateQueryPool(device_.handle, &queries, nullptr, &timestamps_), "vkCreateQueryPool");
+    warm_up(mesh_, false);
+    return Done{};
+}
+
+uint64_t Renderer::frame_buffer_bytes() const { return memory_bytes(target_) + records_.bytes + box_indices_.bytes; }
+
+Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
+    try {
+        return append_words(pool_, layer, words);
+    } catch (const VulkanError& error) {
+        return Error{error.what()};
+    }
+}
+
+void Renderer::ensure_records(uint64_t words) {
+    const uint64_t bytes = words * 4;
+    if (records_.bytes >= bytes) return;
+    destroy_buffer(device_, records_);
+    records_ = create_buffer(device_, std::max<uint64_t>(64 << 10, bytes + bytes / 2), BufferPlace::kUpload);
+}
+
+void Renderer::ensure_facade_pass() {
+    if (facade_.handle != VK_NULL_HANDLE) return;
+    const std::span<const uint16_t> indices = box_indices();
+    box_indices_ = create_buffer(device_, indices.size_bytes(), BufferPlace::kUpload);
+    std::memcpy(box_indices_.mapped, indices.data(), indices.size_bytes());
+    facade_ = create_facade_pass(device_, target_.load_pass);
+    warm_up(facade_, true);
+}
+
+// Draws one invisible primitive, so that drivers which compile at the first draw do it now and not in a measured frame.
+// All-zero words are a tile without vertices, maps or atlas: every corner falls on one point.
+void Renderer::warm_up(const Pass& pass, bool boxes) {
+    constexpr uint64_t kZeroWords = 1024;
+    ensure_records(kZeroWords);
+    std::memset(records_.mapped, 0, kZeroWords * 4);
+    TileDrawRecord tile{};
+    split(records_.address | LAYER_REF_DIRECT, tile.mesh);
+    split(records_.address | LAYER_REF_DIRECT, tile.atlas);
+    split(records_.address | LAYER_REF_DIRECT, tile.facade);
+    constexpr uint64_t kRecordWord = kZeroWords - 64;
+    std::memcpy(static_cast<uint32_t*>(records_.mapped) + kRecordWord, &tile, sizeof tile);
+    frame_record_ = records_.address;
+    submit_and_wait(device_, [&](VkCommandBuffer commands) {
+        begin_target(commands, target_);
+        begin_pass(commands, target_, target_.clear_pass, clear_.data());
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.handle);
+        push_constants(commands, pass, records_.address + kRecordWord * 4);
+        if (boxes) {
+            vkCmdBindIndexBuffer(commands, box_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
+            vkCmdDrawIndexed(commands, 36, 1, 0, 0, 0);
+        } else {
+            vkCmdDraw(commands, 3, 1, 0, 0);
+        }
+        vkCmdEndRenderPass(commands);
+    });
+}
+
+void Renderer::push_constants(VkCommandBuffer commands, const Pass& pass, VkDeviceAddress record) const {
+    DrawConstants constants{};
+    split(frame_record_, constants.frame);
+    split(record, constants.tile);
+    vkCmdPushConstants(commands, pass.layout, kDrawStages, 0, sizeof constants, &constants);
+}
+
+Status Renderer::write_records(const Camera& camera, std::span<const TileDraw> tiles) {
+    ensure_records(FrameRecords::bound(pool_, tiles));
+    const CameraCell cell = camera_cell(camera.position);
+    FrameRecords records(pool_, records_.address);
+    frame_record_ = records.add_frame(make_frame_record(camera, cell));
+    drawn_.clear();
+    for (const size_t i : front_to_back(camera, tiles)) {
+        const Result<VkDeviceAddress> record = records.add_tile(tiles[i], cell);
+        if (!record) return record.error();
+        drawn_.push_back({&tiles[i], *record});
+    }
+    std::memcpy(records_.mapped, records.words().data(), records.words().size_bytes());
+    return Done{};
+}
+
+void Renderer::mark(VkCommandBuffer commands, Timestamp stamp) const {
+    if (device_.timestamp_nanoseconds == 0) return;
+    const VkPipelineStageFlagBits stage =
+        stamp == kBegin ? VK_PIPELINE_STAGE_TOP_OF_PIPE_BIT : VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT;
+    vkCmdWriteTimestamp(commands, stage, timestamps_, stamp);
+}
+
+void Renderer::record_meshes(VkCommandBuffer commands) {
+    begin_pass(commands, target_, target_.clear_pass, clear_.data());
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, mesh_.handle);
+    for (const DrawnTile& drawn : drawn_) {
+        const TileDraw& tile = *drawn.tile;
+        const uint32_t triangles = has_facades(tile) ? tile.mesh_dressed_begin : tile.mesh_triangles;
+        if (tile.mesh == kNoLayer || triangles == 0) continue;
+        push_constants(commands, mesh_, drawn.record);
+        vkCmdDraw(commands, 3 * triangles, 1, 0, 0);
+    }
+    vkCmdEndRenderPass(commands);
+}
+
+void Renderer::record_facades(VkCommandBuffer commands) {
+    barrier_between_passes(commands);
+    begin_pass(commands, target_, target_.load_pass, clear_.data());
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, facade_.handle);
+    vkCmdBindIndexBuffer(commands, box_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
+    for (const DrawnTile& drawn : drawn_) {
+        if (!has_facades(*drawn.tile)) continue;
+        push_constants(commands, facade_, drawn.record);
+        vkCmdDrawIndexed(commands, 36, drawn.tile->facade_placements, 0, 0, 0);
+    }
+    vkCmdEndRenderPass(commands);
+}
+
+void Renderer::record_readback(VkCommandBuffer commands) {
+    copy_colour(commands, target_, target_.scale > 1 ? target_.samples : target_.readback);
+    if (target_.scale > 1) {
+        memory_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                       VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT);
+        FilterConstants constants{{}, {}, target_.width, target_.height, target_.scale, 0};
+        split(target_.samples.address, constants.source);
+        split(target_.readback.address, constants.target);
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, filter_.handle);
+        vkCmdPushConstants(commands, filter_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof constants, &constants);
+        vkCmdDispatch(commands, (target_.width + 7) / 8, (target_.height + 7) / 8, 1);
+    }
+    memory_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                   VK_ACCESS_TRANSFER_WRITE_BIT | VK_ACCESS_SHADER_WRITE_BIT, VK_PIPELINE_STAGE_HOST_BIT,
+                   VK_ACCESS_HOST_READ_BIT);
+}
+
+void Renderer::record_frame(VkCommandBuffer commands) {
+    const bool facades = std::any_of(drawn_.begin(), drawn_.end(), [](const DrawnTile& d) { return has_facades(*d.tile); });
+    if (device_.timestamp_nanoseconds != 0) vkCmdResetQueryPool(commands, timestamps_, 0, kTimestampCount);
+    mark(commands, kBegin);
+    begin_target(commands, target_);
+    record_meshes(commands);
+    mark(commands, kMeshDone);
+    if (facades) record_facades(commands);
+    mark(commands, kFacadesDone);
+    record_readback(commands);
+    mark(commands, kEnd);
+}
+
+void Renderer::read_timestamps(FrameTimings& timings) const {
+    if (device_.timestamp_nanoseconds == 0) return;
+    std::array<uint64_t, kTimestampCount> ticks{};
+    vk_check(vkGetQueryPoolResults(device_.handle, timestamps_, 0, kTimestampCount, sizeof ticks, ticks.data(),
+                                   sizeof ticks[0], VK_QUERY_RESULT_64_BIT),
+             "vkGetQueryPoolResults");
+    const auto between = [&](Timestamp from, Timestamp to) {
+        return static_cast<double>(ticks[to] - ticks[from]) * device_.timestamp_nanoseconds * 1e-6;
+    };
+    timings.gpu_mesh_ms = between(kBegin, kMeshDone);
+    timings.gpu_facade_ms = between(kMeshDone, kFacadesDone);
+    timings.gpu_total_ms = between(kBegin, kEnd);
+}
+
+FrameImage Renderer::read_frame() const {
+    FrameImage image{target_.width, target_.height, {}};
+    const auto* bytes = static_cast<const uint8_t*>(target_.readback.mapped);
+    image.rgba.assign(bytes, bytes + size_t{4} * image.width * image.height);
+    return image;
+}
+
+Result<FrameImage> Renderer::draw(const Camera& camera, std::span<const TileDraw> tiles, FrameTimings* timings) {
+    if (camera.width != options_.width || camera.height != options_.height) {
+        return Error{"the camera's picture size is not the renderer's"};
+    }
+    FrameTimings measured;
+    try {
+        if (std::any_of(tiles.begin(), tiles.end(), has_facades)) ensure_facade_pass();
+        const auto record_begin = Clock::now();
+        if (const Status status = write_records(camera, tiles); !status) return status.error();
+        submit_and_wait(device_, [&](VkCommandBuffer commands) {
+            record_frame(commands);
+            measured.cpu_record_ms = milliseconds_since(record_begin);
+        });
+        read_timestamps(measured);
+        const auto readback_begin = Clock::now();
+        FrameImage image = read_frame();
+        measured.readback_ms = milliseconds_since(readback_begin);
+        if (timings != nullptr) *timings = measured;
+        return image;
+    } catch (const VulkanError& error) {
+        return Error{error.what()};
+    }
+}
+
+Status check_options(const RendererOptions& options) {
+    if (options.width == 0 || options.height == 0 || options.supersample == 0 || options.supersample > 4) {
+        return Error{"picture size and samples must be positive, samples at most 4 a side"};
+    }
+    if (uint64_t{options.width} * options.supersample > 16384 || uint64_t{options.height} * options.supersample > 16384) {
+        return Error{"pictures are at most 16384 samples wide and high"};
+    }
+    return Done{};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<VulkanRenderer>> VulkanRenderer::create(const RendererOptions& options) {
+    if (const Status status = check_options(options); !status) return status.error();
+    auto renderer = std::make_unique<Renderer>(options);
+    try {
+        if (const Status status = renderer->start(); !status) return status.error();
+    } catch (const VulkanError& error) {
+        return Error{error.what()};
+    }
+    return std::unique_ptr<VulkanRenderer>(std::move(renderer));
+}
+
+}  // namespace citystream::client

@@ -1,0 +1,167 @@
+#include "client/report/sweep.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "client/reference/reference_renderer.h"
+#include "client/render/frame_file.h"
+#include "client/render/vulkan_renderer.h"
+#include "client/stream/city_streamer.h"
+
+namespace citystream::client {
+namespace {
+
+std::vector<CameraSample> cameras_of(const SweepOptions& options) {
+    std::vector<CameraSample> cameras;
+    const double begin = options.path.samples.front().t, duration = options.path.duration();
+    for (uint32_t i = 0; i < options.frames; ++i)
+        cameras.push_back(options.path.at(begin + duration * (options.frames == 1 ? 0 : static_cast<double>(i) / (options.frames - 1))));
+    return cameras;
+}
+
+FrameImage picture_of(const std::vector<float>& flip, uint32_t width, uint32_t height) {
+    FrameImage out{width, height, std::vector<uint8_t>(size_t{4} * width * height, 255)};
+    for (size_t i = 0; i < flip.size(); ++i) {
+        // Black over red and yellow to white, so that small errors stay visible in print.
+        const float v = std::clamp(flip[i], 0.0f, 1.0f) * 3;
+        for (size_t c = 0; c < 3; ++c) out.rgba[4 * i + c] = static_cast<uint8_t>(255 * std::clamp(v - static_cast<float>(c), 0.0f, 1.0f));
+    }
+    return out;
+}
+
+class Sweep {
+  public:
+    explicit Sweep(const SweepOptions& options) : options_(options), cameras_(cameras_of(options)) {}
+
+    Status draw_references(SweepResult& result);
+    Result<SettingResult> fly(const Setting& setting, SweepResult& result);
+
+  private:
+    Result<FrameRow> fly_frame(uint32_t i, const std::string& prefix, VulkanRenderer& renderer, CityStreamer& streamer, SettingResult& out);
+    std::string file(const std::string& name) const { return (std::filesystem::path(options_.picture_folder) / name).string(); }
+    void say(const std::string& line) const {
+        if (options_.progress) options_.progress(line);
+    }
+
+    const SweepOptions& options_;
+    std::vector<CameraSample> cameras_;
+    std::vector<FrameImage> references_;
+};
+
+Status Sweep::draw_references(SweepResult& result) {
+    ReferenceOptions reference_options;
+    reference_options.width = options_.width;
+    reference_options.height = options_.height;
+    reference_options.supersample = options_.supersample;
+    auto reference = ReferenceRenderer::create(options_.reference, reference_options);
+    if (!reference) return reference.error();
+    result.reference_device = (*reference)->device_name();
+    result.reference_gpu_bytes = (*reference)->gpu_bytes();
+    for (uint32_t i = 0; i < cameras_.size(); ++i) {
+        auto image = (*reference)->draw(Camera::from_sample(cameras_[i], options_.width, options_.height));
+        if (!image) return image.error();
+        result.reference_pictures.push_back(fmt::format("reference_{:03}.png", i));
+        result.reference_ms.push_back((*reference)->last_frame_ms());
+        result.reference_triangles.push_back((*reference)->triangles_drawn());
+        if (Status written = write_png(file(result.reference_pictures.back()), *image); !written) return written.error();
+        references_.push_back(std::move(image).value());
+        say(fmt::format("reference frame {} of {}: {} triangles", i + 1, cameras_.size(), result.reference_triangles.back()));
+    }
+    return Done{};
+}
+
+Result<FrameRow> Sweep::fly_frame(uint32_t i, const std::string& prefix, VulkanRenderer& renderer, CityStreamer& streamer, SettingResult& out) {
+    const Camera camera = Camera::from_sample(cameras_[i], options_.width, options_.height);
+    StreamerFrame streamed;
+    const std::vector<TileDraw>& tiles = streamer.update(camera, streamed);
+    FrameTimings timings;
+    // The first drawing of a frame compiles and uploads; the second is what a running flight sees.
+    if (auto warm = renderer.draw(camera, tiles, &timings); !warm) return warm.error();
+    auto image = renderer.draw(camera, tiles, &timings);
+    if (!image) return image.error();
+    std::vector<float> flip_per_pixel;
+    auto difference = compare_images(references_[i], *image, &flip_per_pixel);
+    if (!difference) return difference.error();
+    FrameRow row;
+    row.frame = i;
+    row.t = cameras_[i].t;
+    row.gpu_ms = timings.gpu_total_ms;
+    row.select_ms = streamed.select_ms;
+    row.decode_ms = streamed.decode_ms;
+    row.wire_bytes = streamed.wire_bytes;
+    row.gpu_bytes = renderer.slots_used() * renderer.slot_bytes();
+    row.tiles = streamed.tiles_drawn;
+    row.tolerance_used = streamed.tolerance_used;
+    row.achieved_error_pixels = streamed.achieved_error_pixels;
+    row.difference = *difference;
+    row.picture = fmt::format("{}_{:03}.png", prefix, i);
+    row.flip_picture = fmt::format("{}_{:03}_flip.png", prefix, i);
+    if (Status written = write_png(file(row.picture), *image); !written) return written.error();
+    const FrameImage flip = picture_of(flip_per_pixel, options_.width, options_.height);
+    if (Status written = write_png(file(row.flip_picture), flip); !written) return written.error();
+    out.total_wire_bytes += row.wire_bytes;
+    out.largest_gpu_bytes = std::max(out.largest_gpu_bytes, row.gpu_bytes);
+    out.warnings.insert(out.warnings.end(), streamed.warnings.begin(), streamed.warnings.end());
+    return row;
+}
+
+Result<SettingResult> Sweep::fly(const Setting& setting, SweepResult& result) {
+    RendererOptions renderer_options;
+    renderer_options.width = options_.width;
+    renderer_options.height = options_.height;
+    renderer_options.supersample = options_.supersample;
+    renderer_options.gpu_budget_bytes = options_.gpu_budget_bytes;
+    renderer_options.device = options_.device;
+    StreamerOptions streamer_options;
+    streamer_options.tolerance_pixels = options_.tolerance_pixels;
+    streamer_options.host_budget_bytes = options_.host_budget_bytes;
+    if (setting.knob == "tolerance") streamer_options.tolerance_pixels = setting.value;
+    if (setting.knob == "gpu-budget") renderer_options.gpu_budget_bytes = static_cast<uint64_t>(setting.value * (1 << 20));
+
+    auto renderer = VulkanRenderer::create(renderer_options);
+    if (!renderer) return renderer.error();
+    result.device = (*renderer)->device_name();
+    auto fetcher = Fetcher::open(options_.city, FetcherOptions{});
+    if (!fetcher) return fetcher.error();
+    auto streamer = CityStreamer::open(**fetcher, **renderer, streamer_options);
+    if (!streamer) return streamer.error();
+
+    SettingResult out;
+    out.setting = setting;
+    const std::string prefix = fmt::format("{}_{:g}", setting.knob, setting.value);
+    for (uint32_t i = 0; i < cameras_.size(); ++i) {
+        auto row = fly_frame(i, prefix, **renderer, **streamer, out);
+        if (!row) return row.error();
+        say(fmt::format("{} {:g}, frame {} of {}: {:.2f} dB, {} bytes", setting.knob, setting.value, i + 1, cameras_.size(),
+                        row->difference.psnr_db, row->wire_bytes));
+        out.frames.push_back(std::move(row).value());
+    }
+    return out;
+}
+
+}  // namespace
+
+Result<SweepResult> run_sweep(const SweepOptions& options, const std::vector<Setting>& settings) {
+    Sweep sweep(options);
+    SweepResult result;
+    if (Status drawn = sweep.draw_references(result); !drawn) return drawn.error();
+    for (const Setting& setting : settings) {
+        auto flown = sweep.fly(setting, result);
+        if (!flown) return flown.error();
+        result.settings.push_back(std::move(flown).value());
+    }
+    return result;
+}
+
+double median_of(const std::vector<FrameRow>& frames, const std::function<double(const FrameRow&)>& column) {
+    if (frames.empty()) return 0;
+    std::vector<double> values;
+    for (const FrameRow& row : frames) values.push_back(column(row));
+    std::sort(values.begin(), values.end());
+    const size_t middle = values.size() / 2;
+    return values.size() % 2 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+}  // namespace citystream::client

@@ -1,0 +1,72 @@
+// Flies a city once per setting of a knob and measures what each setting costs and how far its pictures are from the reference.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "client/path/camera_path.h"
+#include "client/render/frame.h"
+#include "client/report/image_metrics.h"
+#include "codec/result.h"
+
+namespace citystream::client {
+
+/// One setting of one knob; all others stay at the defaults of SweepOptions.
+struct Setting {
+    std::string knob;   ///< "tolerance" (pixels) or "gpu-budget" (MiB)
+    double value = 0;
+};
+
+struct SweepOptions {
+    std::string city;              ///< any place that Fetcher::open takes
+    std::string reference;         ///< .glb of the same city
+    CameraPath path;
+    uint32_t frames = 8;           ///< cameras, evenly spaced in time along the path
+    uint32_t width = 1280, height = 720;
+    uint32_t supersample = 1;
+    double tolerance_pixels = 1;
+    uint64_t gpu_budget_bytes = 512ull << 20;
+    uint64_t host_budget_bytes = 1ull << 30;
+    std::string device;
+    std::string picture_folder;    ///< frames, references and FLIP maps are written here as PNG
+    std::function<void(const std::string& line)> progress;
+};
+
+struct FrameRow {
+    uint32_t frame = 0;
+    double t = 0;
+    double gpu_ms = 0, select_ms = 0, decode_ms = 0;
+    uint64_t wire_bytes = 0;       ///< fetched for this frame
+    uint64_t gpu_bytes = 0;        ///< layer slots in use
+    uint64_t tiles = 0;
+    double tolerance_used = 0, achieved_error_pixels = 0;
+    ImageDifference difference;
+    std::string picture;           ///< file name in picture_folder
+    std::string flip_picture;
+};
+
+struct SettingResult {
+    Setting setting;
+    std::vector<FrameRow> frames;
+    uint64_t total_wire_bytes = 0;
+    uint64_t largest_gpu_bytes = 0;
+    std::vector<std::string> warnings;
+};
+
+struct SweepResult {
+    std::string device, reference_device;
+    std::vector<std::string> reference_pictures;  ///< by frame
+    std::vector<double> reference_ms;
+    uint64_t reference_gpu_bytes = 0;
+    std::vector<uint64_t> reference_triangles;
+    std::vector<SettingResult> settings;
+};
+
+/// Draws the reference once per camera, then every setting from a cold start (new connection, empty caches), offline, so that bytes and pictures repeat exactly.
+Result<SweepResult> run_sweep(const SweepOptions& options, const std::vector<Setting>& settings);
+
+/// Median of a column; 0 for no frames.
+double median_of(const std::vector<FrameRow>& frames, const std::function<double(const FrameRow&)>& column);
+
+}  // namespace citystream::client

@@ -1,0 +1,47 @@
+// What a client learns about a city beyond its directory: steps that cannot be had, and which facade maps a tile uses.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "client/cache/directory_cache.h"
+#include "tiles/tileset/directory.h"
+
+namespace citystream::client {
+
+/// Learnt of one tile.
+struct TileKnowledge {
+    static constexpr uint8_t kAllSteps = 255;
+    /// Steps of each layer that can be had: less than the directory lists when a step is damaged or missing.
+    std::array<uint8_t, tiles::tileset::kLayerCount> usable_steps = {kAllSteps, kAllSteps, kAllSteps, kAllSteps};
+    bool facade_maps_known = false;
+    std::vector<uint32_t> facade_maps;  ///< sorted, distinct
+};
+
+/// Indexed like the directory's nodes and like the dictionary; both grow with what is known.
+struct CityKnowledge {
+    std::vector<TileKnowledge> tiles;
+    std::vector<tiles::tileset::FacadeMapRecord> maps;  ///< empty until the facade index has come
+    std::vector<bool> broken_maps;
+    bool facades_broken = false;  ///< the facade index cannot be had: facades are drawn flat
+
+    uint64_t map_begin(uint32_t map) const { return map == 0 ? 0 : maps[map - 1].end; }
+    uint64_t map_wire_bytes(uint32_t map) const { return maps[map].end - map_begin(map); }
+};
+
+/// Steps of a layer that can be had.
+inline uint32_t usable_steps(const DirectoryNode& node, const TileKnowledge& known, tiles::tileset::Layer layer) {
+    const auto listed = static_cast<uint32_t>(node.record->steps(layer).size());
+    const uint32_t usable = known.usable_steps[static_cast<size_t>(layer)];
+    return usable < listed ? usable : listed;
+}
+
+/// Whether a tile can be drawn in place of its parent: the first steps of its mesh and atlas can be had, and a mesh cut short by damage
+/// is still no worse than the parent would be.
+bool can_be_drawn(const DirectoryCache& directory, const CityKnowledge& knowledge, NodeIndex node);
+
+/// Whether a tile's relief can be drawn: placements and every map they name.
+bool has_usable_relief(const DirectoryCache& directory, const CityKnowledge& knowledge, NodeIndex node);
+
+}  // namespace citystream::client

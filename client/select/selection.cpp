@@ -1,0 +1,225 @@
+#include "client/select/selection.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace citystream::client {
+
+using tiles::tileset::kLayerCount;
+using tiles::tileset::Layer;
+using tiles::tileset::StepRecord;
+using tiles::tileset::TileRecord;
+
+namespace {
+
+/// Steps of the tolerance: four a doubling, up to 2^20 times what was asked for.
+constexpr int kSteepest = 80;
+double raised(double tolerance, int k) { return tolerance * std::exp2(k / 4.0); }
+
+bool fits(const SelectionCost& cost, const SelectionBudget& budget) {
+    const uint64_t host =
+        cost.wire_bytes + cost.layers * budget.host_bytes_per_layer + 2 * cost.largest_decoded;
+    return cost.slots <= budget.slots && host <= budget.host_bytes;
+}
+
+}  // namespace
+
+bool can_be_drawn(const DirectoryCache& directory, const CityKnowledge& knowledge, NodeIndex index) {
+    const DirectoryNode& node = directory.node(index);
+    const TileKnowledge& known = knowledge.tiles[index];
+    const auto& mesh = node.record->steps(Layer::kMesh);
+    if (mesh.empty()) return true;
+    const uint32_t mesh_steps = usable_steps(node, known, Layer::kMesh);
+    if (mesh_steps == 0) return false;
+    if (!node.record->steps(Layer::kAtlas).empty() && usable_steps(node, known, Layer::kAtlas) == 0) return false;
+    if (mesh_steps == mesh.size() || node.parent == kNoNode) return true;
+    return mesh[mesh_steps - 1].error <= directory.node(node.parent).record->geometric_error;
+}
+
+bool has_usable_relief(const DirectoryCache& directory, const CityKnowledge& knowledge, NodeIndex index) {
+    const DirectoryNode& node = directory.node(index);
+    const TileKnowledge& known = knowledge.tiles[index];
+    if (knowledge.facades_broken || usable_steps(node, known, Layer::kFacade) == 0) return false;
+    return std::none_of(known.facade_maps.begin(), known.facade_maps.end(), [&](uint32_t map) {
+        return map < knowledge.broken_maps.size() && knowledge.broken_maps[map];
+    });
+}
+
+uint8_t shortest_prefix(const std::vector<StepRecord>& steps, uint32_t usable, double pixels_per_metre,
+                        double tolerance) {
+    for (uint32_t i = 0; i + 1 < usable; ++i) {
+        if (steps[i].error * pixels_per_metre <= tolerance) return static_cast<uint8_t>(i + 1);
+    }
+    return static_cast<uint8_t>(usable);
+}
+
+uint64_t decoded_prefix_bytes(const std::vector<StepRecord>& steps, uint32_t count) {
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < count; ++i) bytes += steps[i].decoded_bytes;
+    return bytes;
+}
+
+uint64_t wire_prefix_bytes(const std::vector<StepRecord>& steps, uint32_t count) {
+    return count == 0 ? 0 : steps[count - 1].end;
+}
+
+void Selector::begin_camera(const Camera& camera) {
+    camera_ = camera;
+    ++view_stamp_;
+    views_.resize(directory_.nodes().size());
+}
+
+const Selector::View& Selector::view_of(NodeIndex index) {
+    View& view = views_[index];
+    if (view.stamp == view_stamp_) return view;
+    const auto& bounds = directory_.node(index).record->bounds;
+    view.stamp = view_stamp_;
+    view.visible = camera_.sees(bounds, directory_.origin());
+    if (view.visible) {
+        const double distance = std::max(camera_.distance_to(bounds, directory_.origin()), camera_.near_plane);
+        view.pixels_per_metre = camera_.pixels_per_metre(distance);
+    }
+    return view;
+}
+
+/// Selects for the part of the picture that `index` covers. False: some of it cannot be drawn from here and below; what could be was added.
+bool Selector::visit(NodeIndex index, Selection& out) {
+    const View view = view_of(index);
+    if (!view.visible) return true;
+    const DirectoryNode& node = directory_.node(index);
+    const bool good_enough = node.record->geometric_error * view.pixels_per_metre <= out.tolerance;
+    if (good_enough || node.is_leaf() || node.broken_children != 0) {
+        if (!can_be_drawn(directory_, knowledge_, index)) return false;
+        take(index, view, out);
+        return true;
+    }
+    if (node.unloaded_children != 0) {
+        for (uint32_t i = 0; i < 4; ++i) {
+            if ((node.unloaded_children >> i & 1) != 0) out.subtrees.push_back(node.record->address.child(i));
+        }
+        if (!can_be_drawn(directory_, knowledge_, index)) return false;
+        take(index, view, out);
+        return true;
+    }
+    const size_t mark = out.tiles.size();
+    const bool covered = visit_children(index, out);
+    if (covered || !can_be_drawn(directory_, knowledge_, index)) return covered;
+    out.tiles.resize(mark);  // REPLACE: the parent is drawn instead of all of its children
+    take(index, view, out);
+    return true;
+}
+
+bool Selector::visit_children(NodeIndex index, Selection& out) {
+    bool covered = true;
+    for (const NodeIndex child : directory_.node(index).children) {
+        if (child != kNoNode) covered = visit(child, out) && covered;
+    }
+    return covered;
+}
+
+void Selector::take(NodeIndex index, const View& view, Selection& out) {
+    const DirectoryNode& node = directory_.node(index);
+    const TileKnowledge& known = knowledge_.tiles[index];
+    SelectedTile tile;
+    tile.node = index;
+    tile.pixels_per_metre = view.pixels_per_metre;
+    for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
+        tile.steps[static_cast<size_t>(layer)] =
+            shortest_prefix(node.record->steps(layer), usable_steps(node, known, layer), view.pixels_per_metre,
+                            out.tolerance);
+    }
+    const bool relief_shows = node.record->flat_facade_error * view.pixels_per_metre > out.tolerance;
+    if (relief_shows && has_usable_relief(directory_, knowledge_, index)) {
+        tile.steps[static_cast<size_t>(Layer::kFacade)] =
+            shortest_prefix(node.record->steps(Layer::kFacade), usable_steps(node, known, Layer::kFacade),
+                            view.pixels_per_metre, out.tolerance);
+    }
+    out.tiles.push_back(tile);
+}
+
+void Selector::add_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost) {
+    const TileRecord& record = *directory_.node(tile.node).record;
+    const auto add = [&](uint64_t wire, uint64_t decoded) {
+        cost.wire_bytes += wire;
+        ++cost.layers;
+        cost.slots += (decoded + slot_bytes - 1) / slot_bytes;
+        cost.largest_decoded = std::max(cost.largest_decoded, decoded);
+    };
+    for (size_t layer = 0; layer < kLayerCount; ++layer) {
+        if (tile.steps[layer] == 0) continue;
+        add(wire_prefix_bytes(record.layers[layer], tile.steps[layer]),
+            decoded_prefix_bytes(record.layers[layer], tile.steps[layer]));
+    }
+    if (tile.steps_of(Layer::kFacade) == 0) return;
+    for (const uint32_t map : knowledge_.tiles[tile.node].facade_maps) {
+        if (map >= knowledge_.maps.size() || map_seen_[map] == cost_stamp_) continue;
+        map_seen_[map] = cost_stamp_;
+        add(knowledge_.map_wire_bytes(map), knowledge_.maps[map].decoded_bytes);
+    }
+}
+
+void Selector::run(double tolerance, uint64_t slot_bytes, Selection& out) {
+    out = {};
+    out.tolerance = tolerance;
+    if (!directory_.nodes().empty()) visit(0, out);
+    std::sort(out.subtrees.begin(), out.subtrees.end());
+    out.subtrees.erase(std::unique(out.subtrees.begin(), out.subtrees.end()), out.subtrees.end());
+    map_seen_.resize(knowledge_.maps.size());
+    ++cost_stamp_;
+    for (const SelectedTile& tile : out.tiles) add_cost(tile, slot_bytes, out.cost);
+}
+
+Selection Selector::select(const Camera& camera, double tolerance, uint64_t slot_bytes) {
+    begin_camera(camera);
+    Selection selection;
+    run(tolerance, slot_bytes, selection);
+    return selection;
+}
+
+Selection Selector::select_within(const Camera& camera, double tolerance, const SelectionBudget& budget) {
+    begin_camera(camera);
+    Selection good;
+    const auto try_step = [&](int k) {
+        Selection tried;
+        run(raised(tolerance, k), budget.slot_bytes, tried);
+        const bool ok = fits(tried.cost, budget);
+        if (ok || k == kSteepest) good = std::move(tried);
+        return ok;
+    };
+    if (try_step(0)) return good;
+    int low = 0, high = 1;  // low does not fit
+    while (!try_step(high)) {
+        if (high == kSteepest) {
+            drop_far_tiles(budget, good);
+            return good;
+        }
+        low = high;
+        high = std::min(2 * high, kSteepest);
+    }
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        (try_step(middle) ? high : low) = middle;
+    }
+    return good;
+}
+
+/// The last resort of a budget too small for even the coarsest tiles: nearest first, as many as fit.
+void Selector::drop_far_tiles(const SelectionBudget& budget, Selection& out) {
+    std::stable_sort(out.tiles.begin(), out.tiles.end(), [](const SelectedTile& a, const SelectedTile& b) {
+        return a.pixels_per_metre > b.pixels_per_metre;
+    });
+    std::vector<SelectedTile> kept;
+    ++cost_stamp_;
+    out.cost = {};
+    for (const SelectedTile& tile : out.tiles) {
+        SelectionCost with = out.cost;
+        add_cost(tile, budget.slot_bytes, with);
+        if (!fits(with, budget)) break;
+        out.cost = with;
+        kept.push_back(tile);
+    }
+    out.tiles = std::move(kept);
+    out.fits = false;
+}
+
+}  // namespace citystream::client

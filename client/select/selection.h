@@ -1,0 +1,94 @@
+// The one rule: for every visible tile and layer the shortest prefix whose error, projected to the screen, is below the tolerance.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "client/select/camera.h"
+#include "client/select/city_knowledge.h"
+
+namespace citystream::client {
+
+/// A tile to draw, and how many steps of each layer.
+struct SelectedTile {
+    NodeIndex node = kNoNode;
+    double pixels_per_metre = 0;  ///< at the nearest point of its bounds
+    std::array<uint8_t, tiles::tileset::kLayerCount> steps{};
+    uint8_t steps_of(tiles::tileset::Layer layer) const { return steps[static_cast<size_t>(layer)]; }
+};
+
+/// What a selection needs, known before any request from the step tables.
+struct SelectionCost {
+    uint64_t slots = 0;            ///< of the layer store: every layer rounded up, every known facade map once
+    uint64_t wire_bytes = 0;       ///< of all selected prefixes and maps
+    uint64_t layers = 0;           ///< number of them
+    uint64_t largest_decoded = 0;  ///< bytes of the largest single prefix: what decoding needs beside it
+};
+
+struct Selection {
+    double tolerance = 0;             ///< pixels: what the tiles were chosen with
+    std::vector<SelectedTile> tiles;  ///< depth first: neighbours in the tree are neighbours here
+    std::vector<tiles::tileset::TileAddress> subtrees;  ///< not loaded yet, but needed to refine
+    SelectionCost cost;
+    bool fits = true;                 ///< false: even the coarsest choice breaks a budget, and far tiles were left out
+};
+
+/// Limits of a selection. Wire bytes of all that is selected are kept in host memory beside `2 x largest_decoded`.
+struct SelectionBudget {
+    uint64_t slot_bytes = 1;
+    uint64_t slots = ~uint64_t{0};
+    uint64_t host_bytes = ~uint64_t{0};
+    uint64_t host_bytes_per_layer = 0;  ///< book-keeping of a layer, beside its wire bytes
+};
+
+/// Walks the directory for cameras. Results depend on its arguments only; the object holds scratch memory (one thread at a time).
+class Selector {
+  public:
+    Selector(const DirectoryCache& directory, const CityKnowledge& knowledge)
+        : directory_(directory), knowledge_(knowledge) {}
+
+    /// The rule at exactly this tolerance, whatever it costs. O(visible tiles and their ancestors).
+    Selection select(const Camera& camera, double tolerance, uint64_t slot_bytes);
+
+    /// The rule at the smallest tolerance tolerance * 2^(k/4), k = 0, 1, ..., whose cost fits (searched by doubling and bisection).
+    Selection select_within(const Camera& camera, double tolerance, const SelectionBudget& budget);
+
+    /// Of the camera of the last selection, for any node of the directory.
+    bool visible(NodeIndex node) { return view_of(node).visible; }
+    double pixels_per_metre(NodeIndex node) { return view_of(node).pixels_per_metre; }  ///< of a visible node
+
+  private:
+    struct View {
+        uint64_t stamp = 0;
+        bool visible = false;
+        double pixels_per_metre = 0;
+    };
+    const View& view_of(NodeIndex node);
+    bool visit(NodeIndex node, Selection& out);
+    bool visit_children(NodeIndex node, Selection& out);
+    void take(NodeIndex node, const View& view, Selection& out);
+    void begin_camera(const Camera& camera);
+    void run(double tolerance, uint64_t slot_bytes, Selection& out);
+    void add_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost);
+    void drop_far_tiles(const SelectionBudget& budget, Selection& out);
+
+    const DirectoryCache& directory_;
+    const CityKnowledge& knowledge_;
+    Camera camera_;
+    std::vector<View> views_;         ///< by node, valid where stamp == view_stamp_
+    std::vector<uint64_t> map_seen_;  ///< by map: cost_stamp_ when counted
+    uint64_t view_stamp_ = 0, cost_stamp_ = 0;
+};
+
+/// Shortest prefix (number of steps, at least 1) whose error in metres projects to at most `tolerance` pixels, else all `usable` steps.
+uint8_t shortest_prefix(const std::vector<tiles::tileset::StepRecord>& steps, uint32_t usable, double pixels_per_metre,
+                        double tolerance);
+
+/// Decoded bytes of the first `count` steps.
+uint64_t decoded_prefix_bytes(const std::vector<tiles::tileset::StepRecord>& steps, uint32_t count);
+
+/// Wire bytes of the first `count` steps.
+uint64_t wire_prefix_bytes(const std::vector<tiles::tileset::StepRecord>& steps, uint32_t count);
+
+}  // namespace citystream::client

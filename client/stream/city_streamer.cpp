@@ -1,0 +1,615 @@
+#include "client/stream/city_streamer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include "client/cache/directory_cache.h"
+#include "client/cache/layer_cache.h"
+#include "client/select/selection.h"
+#include "client/stream/cover.h"
+#include "client/stream/request_plan.h"
+#include "client/stream/tile_residency.h"
+#include "tiles/tileset/facade_index.h"
+#include "tiles/tileset/tileset_json.h"
+
+namespace citystream::client {
+
+using tiles::tileset::kLayerCount;
+using tiles::tileset::Layer;
+using tiles::tileset::Manifest;
+using tiles::tileset::TileAddress;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr uint64_t kManifestLimit = 4u << 20;
+constexpr int kMostRounds = 256;  // of one waiting update; each learns something, so this is never the limit in practice
+constexpr std::chrono::milliseconds kWaitSlice{100};
+constexpr double kFirstPauseSeconds = 0.5, kLongestPauseSeconds = 30;
+
+double milliseconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+/// Most bytes of one subtree file: bounds what a request of unknown length can bring.
+uint64_t subtree_limit(uint64_t host_budget) { return std::clamp<uint64_t>(host_budget / 16, 64u << 10, 16u << 20); }
+
+/// "path: why", unless the reason names the path itself (an address does).
+std::string about(const std::string& path, const std::string& why) {
+    return why.find(path) != std::string::npos ? why : path + ": " + why;
+}
+
+/// Something that could not be fetched and is left alone until its time comes.
+struct Setback {
+    Clock::time_point until;
+    PlannedRequest request;
+    uint8_t usable_before = TileKnowledge::kAllSteps;
+};
+
+class Streamer final : public CityStreamer {
+  public:
+    Streamer(Fetcher& fetcher, LayerStore& store, const StreamerOptions& options, Manifest manifest)
+        : fetcher_(fetcher),
+          store_(store),
+          options_(options),
+          directory_(std::move(manifest), options.subtrees),
+          cache_(store, host_),
+          selector_(directory_, knowledge_),
+          residency_(directory_, knowledge_, cache_, host_, options.decode) {
+        host_.budget = options.host_budget_bytes;
+        host_.fixed = sizeof(*this);
+    }
+    ~Streamer() override { abandon_requests(); }
+    Streamer(const Streamer&) = delete;
+    Streamer& operator=(const Streamer&) = delete;
+
+    Status add_subtree(std::span<const std::byte> bytes, TileAddress root);
+
+    const Manifest& manifest() const override { return directory_.manifest(); }
+    const std::vector<TileDraw>& update(const Camera& camera, StreamerFrame& frame) override;
+    void set_tolerance(double pixels) override { options_.tolerance_pixels = pixels; }
+
+  private:
+    void advance_waiting(const Camera& camera);
+    void advance_realtime(const Camera& camera);
+    void choose(const Camera& camera);
+    void pin_root();
+    void mark_needed();
+    void trim_to_budget();
+    uint64_t needed_slots();
+    void upload_all();
+    void count_hits();
+    std::vector<PlannedRequest> plan(const Camera& camera, bool directory_first);
+
+    bool admit(const PlannedRequest& request);
+    void submit(const PlannedRequest& request);
+    bool drain(const std::vector<PlannedRequest>& requests);
+    void cancel_unwanted();
+    bool still_wanted(const PlannedRequest& request);
+    void set_requested(const PlannedRequest& request, bool requested);
+    void receive(FetchResult& result);
+    void receive_subtree(const PlannedRequest& request, std::span<const std::byte> bytes);
+    void receive_facade_index(std::span<const std::byte> bytes);
+    void receive_layers(const PlannedRequest& request, std::span<const std::byte> bytes);
+    void fail(const PlannedRequest& request, const std::string& why, bool for_good);
+    void retry_due();
+    void abandon_requests();
+    bool stopped() const { return options_.stop != nullptr && options_.stop->load(); }
+
+    void make_draws();
+    void add_draw(NodeIndex node);
+    double drawn_error(NodeIndex node, const TileDraw& draw) const;
+    bool is_selected(NodeIndex node) const { return node < marks_.size() && marks_[node].selected == serial_; }
+    bool is_refined(NodeIndex node) const { return node < marks_.size() && marks_[node].refined == serial_; }
+    const SelectedTile* wanted_tile(NodeIndex node) const {
+        return node < marks_.size() && marks_[node].needed == serial_ ? &needed_[marks_[node].position] : nullptr;
+    }
+
+    struct InFlight {
+        PlannedRequest request;
+        uint64_t reserved = 0;
+        bool cancelled = false;
+    };
+    /// By node: serial of the selection for which each holds.
+    struct Mark {
+        uint64_t selected = 0, refined = 0, needed = 0;
+        uint32_t position = 0;  ///< in needed_
+    };
+
+    Fetcher& fetcher_;
+    LayerStore& store_;
+    StreamerOptions options_;
+    HostMemory host_;
+    CityKnowledge knowledge_;
+    DirectoryCache directory_;
+    LayerCache cache_;
+    Selector selector_;
+    TileResidency residency_;
+    Selection selection_;
+    std::vector<SelectedTile> needed_;  ///< the selection, and in realtime mode the root
+    std::vector<Mark> marks_;
+    uint64_t serial_ = 0;
+    std::map<uint64_t, InFlight> in_flight_;
+    uint64_t next_id_ = 1;
+    bool facade_index_requested_ = false;
+    uint32_t facade_index_failures_ = 0;
+    std::map<TileAddress, uint32_t> subtree_failures_;
+    std::vector<Setback> setbacks_;
+    std::vector<TileDraw> draws_;
+    StreamerFrame* frame_ = nullptr;
+};
+
+Status Streamer::add_subtree(std::span<const std::byte> bytes, TileAddress root) {
+    const uint64_t before = directory_.host_bytes();
+    const Status added = directory_.add_subtree(bytes, root);
+    if (!added) return added.error();
+    const uint64_t grown = directory_.host_bytes() - before;
+    cache_.free_host(grown);
+    host_.fixed += grown + directory_.nodes().size() * sizeof(Mark) - marks_.size() * sizeof(Mark);
+    marks_.resize(directory_.nodes().size());
+    residency_.grow();
+    return Done{};
+}
+
+const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFrame& frame) {
+    frame = {};
+    frame_ = &frame;
+    host_.peak = host_.used();
+    cache_.begin_update();
+    retry_due();
+    if (options_.wait_for_selection) {
+        advance_waiting(camera);
+    } else {
+        advance_realtime(camera);
+    }
+    make_draws();
+    const ResidencyCounters counters = residency_.take_counters();
+    frame.decoded_bytes = counters.decoded_bytes;
+    frame.decode_ms = counters.decode_ms;
+    frame.gpu_bytes_used = store_.slots_used() * store_.slot_bytes();
+    host_.note_peak();
+    frame.host_bytes_used = host_.peak;
+    frame.warnings = residency_.take_warnings();
+    return draws_;
+}
+
+/// Rounds of choosing and fetching until the choice is here. What a choice turns out to depend on (subtrees, placements, damage) makes another round.
+void Streamer::advance_waiting(const Camera& camera) {
+    for (int round = 0; round < kMostRounds && !stopped(); ++round) {
+        choose(camera);
+        upload_all();
+        if (round == 0) count_hits();
+        const std::vector<PlannedRequest> requests = plan(camera, true);
+        if (requests.empty() || !drain(requests)) return;
+    }
+}
+
+void Streamer::advance_realtime(const Camera& camera) {
+    for (FetchResult& result : fetcher_.poll()) receive(result);
+    choose(camera);
+    count_hits();
+    cancel_unwanted();
+    upload_all();
+    for (const PlannedRequest& request : plan(camera, false)) {
+        if (in_flight_.size() >= options_.max_requests_in_flight) break;
+        if (admit(request)) submit(request);
+    }
+}
+
+void Streamer::choose(const Camera& camera) {
+    const Clock::time_point begin = Clock::now();
+    SelectionBudget budget;
+    budget.slot_bytes = store_.slot_bytes();
+    budget.slots = store_.slot_count();
+    budget.host_bytes = host_.budget > host_.fixed ? host_.budget - host_.fixed : 0;
+    budget.host_bytes_per_layer = kCachedLayerBytes;
+    if (!options_.wait_for_selection && !directory_.nodes().empty()) {
+        const auto& root = *directory_.node(0).record;
+        uint64_t reserve = 0;
+        for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
+            if (!root.steps(layer).empty()) reserve += store_.slots_for(root.steps(layer).front().decoded_bytes);
+        }
+        budget.slots -= std::min(budget.slots, reserve);
+    }
+    selection_ = selector_.select_within(camera, options_.tolerance_pixels, budget);
+    needed_ = selection_.tiles;
+    ++serial_;
+    for (const SelectedTile& tile : selection_.tiles) {
+        marks_[tile.node].selected = serial_;
+        for (NodeIndex up = directory_.node(tile.node).parent; up != kNoNode && marks_[up].refined != serial_;
+             up = directory_.node(up).parent) {
+            marks_[up].refined = serial_;
+        }
+    }
+    if (!options_.wait_for_selection) pin_root();
+    for (uint32_t i = 0; i < needed_.size(); ++i) {
+        marks_[needed_[i].node].needed = serial_;
+        marks_[needed_[i].node].position = i;
+    }
+    mark_needed();
+    trim_to_budget();
+    if (!selection_.fits) {
+        residency_.warn("the budgets do not hold even the coarsest tiles of this view; far tiles are left out");
+    }
+    frame_->select_ms += milliseconds_since(begin);
+}
+
+/// In realtime mode the root's first steps stay resident, so that there is always something to fall back to.
+void Streamer::pin_root() {
+    if (directory_.nodes().empty() || is_selected(0) || !can_be_drawn(directory_, knowledge_, 0)) return;
+    SelectedTile root;
+    root.node = 0;
+    root.pixels_per_metre = selector_.visible(0) ? selector_.pixels_per_metre(0) : 0;
+    for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
+        root.steps[static_cast<size_t>(layer)] = directory_.node(0).record->steps(layer).empty() ? 0 : 1;
+    }
+    needed_.push_back(root);
+}
+
+void Streamer::mark_needed() {
+    cache_.begin_selection();
+    for (const SelectedTile& tile : needed_) {
+        for (size_t layer = 0; layer < kLayerCount; ++layer) {
+            if (tile.steps[layer] > 0) cache_.need(cache_.at(layer_key(tile.node, static_cast<Layer>(layer))));
+        }
+        if (tile.steps_of(Layer::kFacade) == 0) continue;
+        for (const uint32_t map : knowledge_.tiles[tile.node].facade_maps) cache_.need(cache_.at(map_key(map)));
+    }
+}
+
+/// Slots of all that is needed when it is complete, with what is resident beyond the wanted prefixes.
+uint64_t Streamer::needed_slots() {
+    uint64_t slots = 0;
+    std::vector<uint32_t> maps;
+    for (const SelectedTile& tile : needed_) {
+        const auto& record = *directory_.node(tile.node).record;
+        for (size_t layer = 0; layer < kLayerCount; ++layer) {
+            if (tile.steps[layer] == 0) continue;
+            const CachedLayer& entry = cache_.at(layer_key(tile.node, static_cast<Layer>(layer)));
+            const uint64_t wanted = decoded_prefix_bytes(record.layers[layer], tile.steps[layer]);
+            slots += store_.slots_for(std::max(wanted, entry.store_bytes));
+        }
+        if (tile.steps_of(Layer::kFacade) == 0) continue;
+        const auto& used = knowledge_.tiles[tile.node].facade_maps;
+        maps.insert(maps.end(), used.begin(), used.end());
+    }
+    std::sort(maps.begin(), maps.end());
+    maps.erase(std::unique(maps.begin(), maps.end()), maps.end());
+    for (const uint32_t map : maps) {
+        if (map < knowledge_.maps.size()) slots += store_.slots_for(knowledge_.maps[map].decoded_bytes);
+    }
+    return slots;
+}
+
+/// Prefixes that are resident beyond what is wanted now are cut back when the budgets need their room; the shorter prefix
+/// comes back from the wire bytes, not from the network.
+void Streamer::trim_to_budget() {
+    uint64_t slots = needed_slots();
+    uint64_t wire_surplus = 0;
+    for (const SelectedTile& tile : needed_) {
+        for (size_t layer = 0; layer < kLayerCount; ++layer) {
+            if (tile.steps[layer] == 0) continue;
+            CachedLayer& entry = cache_.at(layer_key(tile.node, static_cast<Layer>(layer)));
+            const auto& steps = directory_.node(tile.node).record->layers[layer];
+            const uint64_t wanted = decoded_prefix_bytes(steps, tile.steps[layer]);
+            if (slots > store_.slot_count() && entry.store_bytes > wanted) {
+                slots -= store_.slots_for(entry.store_bytes) - store_.slots_for(wanted);
+                cache_.drop_store(entry);
+            }
+            const uint64_t wanted_wire = wire_prefix_bytes(steps, tile.steps[layer]);
+            if (entry.wire_bytes > wanted_wire) wire_surplus += entry.wire_bytes - wanted_wire;
+        }
+    }
+    const uint64_t need = selection_.cost.wire_bytes + wire_surplus + 2 * selection_.cost.largest_decoded;
+    if (host_.fixed + host_.in_flight + need <= host_.budget) return;
+    for (const SelectedTile& tile : needed_) {
+        for (size_t layer = 0; layer < kLayerCount; ++layer) {
+            if (tile.steps[layer] == 0) continue;
+            cache_.drop_wire_from(cache_.at(layer_key(tile.node, static_cast<Layer>(layer))), tile.steps[layer]);
+        }
+    }
+}
+
+void Streamer::upload_all() {
+    for (const SelectedTile& tile : needed_) residency_.upload(tile);
+}
+
+void Streamer::count_hits() {
+    frame_->cache_hits = frame_->cache_misses = 0;
+    for (const SelectedTile& tile : needed_) {
+        for (size_t layer = 0; layer < kLayerCount; ++layer) {
+            if (tile.steps[layer] == 0) continue;
+            const CachedLayer& entry = cache_.at(layer_key(tile.node, static_cast<Layer>(layer)));
+            const bool here = std::max(entry.store_steps, entry.wire_steps) >= tile.steps[layer];
+            ++(here ? frame_->cache_hits : frame_->cache_misses);
+        }
+    }
+}
+
+std::vector<PlannedRequest> Streamer::plan(const Camera& camera, bool directory_first) {
+    const NodeIndex first = options_.wait_for_selection || directory_.nodes().empty() ? kNoNode : NodeIndex{0};
+    std::vector<PlannedRequest> requests = plan_requests(directory_, knowledge_, cache_, selection_, needed_, first,
+                                                         camera, {directory_first, facade_index_requested_});
+    std::erase_if(requests, [&](const PlannedRequest& request) {
+        return request.kind == RequestKind::kSubtree &&
+               std::any_of(in_flight_.begin(), in_flight_.end(), [&](const auto& entry) {
+                   return entry.second.request.kind == RequestKind::kSubtree &&
+                          entry.second.request.subtree == request.subtree;
+               });
+    });
+    return requests;
+}
+
+/// Room for the answer, and beside it for decoding the largest layer, is made before the request is sent.
+bool Streamer::admit(const PlannedRequest& request) {
+    uint64_t bytes = request.length;
+    if (request.kind == RequestKind::kSubtree) bytes = subtree_limit(host_.budget);
+    if (request.kind == RequestKind::kFacadeIndex) {
+        bytes += directory_.manifest().facade_index_decoded_bytes +
+                 directory_.manifest().facade_map_count * sizeof(tiles::tileset::FacadeMapRecord);
+    }
+    return cache_.free_host(bytes + 2 * selection_.cost.largest_decoded);
+}
+
+void Streamer::submit(const PlannedRequest& request) {
+    FetchRequest fetch;
+    fetch.id = next_id_++;
+    fetch.offset = request.offset;
+    fetch.length = request.length;
+    fetch.priority = request.priority;
+    uint64_t reserved = request.length;
+    switch (request.kind) {
+        case RequestKind::kSubtree:
+            fetch.path = subtree_path(request.subtree);
+            fetch.limit = reserved = subtree_limit(host_.budget);
+            break;
+        case RequestKind::kFacadeIndex: fetch.path = tiles::tileset::kFacadeIndexPath; break;
+        case RequestKind::kLayer: fetch.path = layer_path(request.layer, directory_.node(request.node).record->address); break;
+        case RequestKind::kMaps: fetch.path = tiles::tileset::kFacadeMapsPath; break;
+    }
+    host_.in_flight += reserved;
+    host_.note_peak();
+    set_requested(request, true);
+    in_flight_.emplace(fetch.id, InFlight{request, reserved, false});
+    ++frame_->requests;
+    fetcher_.submit(std::move(fetch));
+}
+
+/// Sends all and takes in what arrives. False when the rest fits no budget.
+bool Streamer::drain(const std::vector<PlannedRequest>& requests) {
+    size_t next = 0;
+    while ((next < requests.size() || !in_flight_.empty()) && !stopped()) {
+        while (next < requests.size() && in_flight_.size() < options_.max_requests_in_flight && admit(requests[next])) {
+            submit(requests[next++]);
+        }
+        if (in_flight_.empty()) {
+            residency_.warn("the host budget has no room for the next request; the view stays coarser");
+            return false;
+        }
+        const Clock::time_point begin = Clock::now();
+        std::vector<FetchResult> results = fetcher_.wait(kWaitSlice);
+        frame_->wait_ms += milliseconds_since(begin);
+        for (FetchResult& result : results) receive(result);
+    }
+    return true;
+}
+
+bool Streamer::still_wanted(const PlannedRequest& request) {
+    switch (request.kind) {
+        case RequestKind::kSubtree:
+        case RequestKind::kFacadeIndex: return true;
+        case RequestKind::kLayer: {
+            const SelectedTile* tile = wanted_tile(request.node);
+            return tile != nullptr && tile->steps_of(request.layer) > request.from;
+        }
+        case RequestKind::kMaps: break;
+    }
+    for (uint32_t map = request.from; map < request.to; ++map) {
+        if (cache_.is_needed(cache_.at(map_key(map)))) return true;
+    }
+    return false;
+}
+
+void Streamer::cancel_unwanted() {
+    for (auto& [id, under_way] : in_flight_) {
+        if (under_way.cancelled || still_wanted(under_way.request)) continue;
+        under_way.cancelled = true;
+        fetcher_.cancel(id);
+    }
+}
+
+void Streamer::set_requested(const PlannedRequest& request, bool requested) {
+    if (request.kind == RequestKind::kFacadeIndex) facade_index_requested_ = requested;
+    if (request.kind == RequestKind::kLayer) cache_.at(layer_key(request.node, request.layer)).requested = requested;
+    if (request.kind != RequestKind::kMaps) return;
+    for (uint32_t map = request.from; map < request.to; ++map) cache_.at(map_key(map)).requested = requested;
+}
+
+void Streamer::receive(FetchResult& result) {
+    const auto found = in_flight_.find(result.id);
+    if (found == in_flight_.end()) return;
+    const PlannedRequest request = found->second.request;
+    host_.in_flight -= found->second.reserved;
+    in_flight_.erase(found);
+    set_requested(request, false);
+    if (result.cancelled) return;
+    if (!result.bytes) {
+        fail(request, result.bytes.error().text(), false);
+        return;
+    }
+    const std::vector<std::byte>& bytes = *result.bytes;
+    frame_->wire_bytes += bytes.size();
+    if (request.length > 0 && bytes.size() != request.length) {
+        fail(request, "the answer has another length than the directory says", false);
+        return;
+    }
+    switch (request.kind) {
+        case RequestKind::kSubtree: receive_subtree(request, bytes); break;
+        case RequestKind::kFacadeIndex: receive_facade_index(bytes); break;
+        default: receive_layers(request, bytes); break;
+    }
+}
+
+void Streamer::receive_subtree(const PlannedRequest& request, std::span<const std::byte> bytes) {
+    const Status added = add_subtree(bytes, request.subtree);
+    if (added) return;
+    // The first time it is asked for again by the next choice.
+    if (++subtree_failures_[request.subtree] < 2) return;
+    fail(request, added.error().text(), true);
+}
+
+void Streamer::receive_facade_index(std::span<const std::byte> bytes) {
+    auto maps = tiles::tileset::parse_facade_index(bytes, directory_.manifest());
+    if (!maps) {
+        if (++facade_index_failures_ < 2) return;
+        PlannedRequest request;
+        request.kind = RequestKind::kFacadeIndex;
+        fail(request, maps.error().text(), true);
+        return;
+    }
+    knowledge_.maps = std::move(*maps);
+    knowledge_.broken_maps.assign(knowledge_.maps.size(), false);
+    host_.fixed += knowledge_.maps.size() * (sizeof(tiles::tileset::FacadeMapRecord) + 1);
+    host_.note_peak();
+}
+
+void Streamer::receive_layers(const PlannedRequest& request, std::span<const std::byte> bytes) {
+    if (request.kind == RequestKind::kMaps) {
+        residency_.accept_maps(request.from, request.to, bytes);
+        return;  // brought to the store with the tiles that use them
+    }
+    residency_.accept_layer(request.node, request.layer, request.from, request.to, bytes);
+    if (const SelectedTile* tile = wanted_tile(request.node)) residency_.upload(*tile);
+}
+
+/// Leaves something alone: for good, or for a while that doubles with each failure.
+void Streamer::fail(const PlannedRequest& request, const std::string& why, bool for_good) {
+    Setback setback;
+    setback.request = request;
+    uint32_t failures = 1;
+    switch (request.kind) {
+        case RequestKind::kSubtree:
+            failures = ++subtree_failures_[request.subtree];
+            directory_.mark_broken(request.subtree);
+            residency_.warn(about(subtree_path(request.subtree), why) + "; what lies below is drawn from its parent");
+            break;
+        case RequestKind::kFacadeIndex:
+            failures = ++facade_index_failures_;
+            knowledge_.facades_broken = true;
+            residency_.warn(about("facades/index", why) + "; facades are drawn flat");
+            break;
+        case RequestKind::kLayer: {
+            CachedLayer& entry = cache_.at(layer_key(request.node, request.layer));
+            failures = ++entry.failures;
+            uint8_t& usable = knowledge_.tiles[request.node].usable_steps[static_cast<size_t>(request.layer)];
+            setback.usable_before = usable;
+            usable = static_cast<uint8_t>(std::min<uint32_t>(usable, std::max(entry.store_steps, entry.wire_steps)));
+            residency_.warn(about(layer_path(request.layer, directory_.node(request.node).record->address), why) +
+                            "; drawn coarser or from its parent");
+            break;
+        }
+        case RequestKind::kMaps:
+            for (uint32_t map = request.from; map < request.to; ++map) {
+                failures = std::max(failures, ++cache_.at(map_key(map)).failures);
+                knowledge_.broken_maps[map] = true;
+            }
+            residency_.warn(about("facades/maps", why) + "; the facades that use it are drawn flat");
+            break;
+    }
+    if (for_good) return;
+    const double pause = std::min(kFirstPauseSeconds * std::exp2(std::min(failures, 16u) - 1.0), kLongestPauseSeconds);
+    setback.until = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(pause));
+    setbacks_.push_back(std::move(setback));
+}
+
+void Streamer::retry_due() {
+    const Clock::time_point now = Clock::now();
+    std::erase_if(setbacks_, [&](const Setback& setback) {
+        if (setback.until > now) return false;
+        const PlannedRequest& request = setback.request;
+        if (request.kind == RequestKind::kSubtree) directory_.mend(request.subtree);
+        if (request.kind == RequestKind::kFacadeIndex) knowledge_.facades_broken = false;
+        if (request.kind == RequestKind::kLayer) {
+            knowledge_.tiles[request.node].usable_steps[static_cast<size_t>(request.layer)] = setback.usable_before;
+        }
+        if (request.kind == RequestKind::kMaps) {
+            for (uint32_t map = request.from; map < request.to; ++map) {
+                if (cache_.at(map_key(map)).damages < 2) knowledge_.broken_maps[map] = false;
+            }
+        }
+        return true;
+    });
+}
+
+/// The fetcher outlives the streamer and may serve another one: nothing of ours stays in it.
+void Streamer::abandon_requests() {
+    for (const auto& [id, under_way] : in_flight_) fetcher_.cancel(id);
+}
+
+void Streamer::make_draws() {
+    draws_.clear();
+    const CoverQuestions ask = {[&](NodeIndex node) { return is_selected(node); },
+                                [&](NodeIndex node) { return is_refined(node); },
+                                [&](NodeIndex node) { return selector_.visible(node); },
+                                [&](NodeIndex node) { return residency_.drawable(node); }};
+    const std::vector<NodeIndex> cover = cover_view(directory_, ask);
+    uint64_t as_chosen = 0;
+    for (const NodeIndex node : cover) {
+        if (is_selected(node)) ++as_chosen;
+        if (residency_.has_mesh(node)) add_draw(node);
+    }
+    frame_->tiles_drawn = draws_.size();
+    frame_->tiles_wanted = selection_.tiles.size();
+    frame_->tiles_missing = selection_.tiles.size() - as_chosen;
+    frame_->tolerance_used = selection_.tolerance;
+}
+
+/// Waiting mode draws exactly the chosen prefixes, so that a frame depends on its camera alone; realtime mode draws all that is resident.
+void Streamer::add_draw(NodeIndex node) {
+    const SelectedTile* tile = is_selected(node) ? wanted_tile(node) : nullptr;
+    std::array<uint8_t, kLayerCount> steps;
+    steps.fill(TileKnowledge::kAllSteps);
+    if (tile != nullptr) {
+        if (options_.wait_for_selection) steps = tile->steps;
+        steps[static_cast<size_t>(Layer::kFacade)] = tile->steps_of(Layer::kFacade);
+    }
+    draws_.push_back(residency_.draw(node, steps));
+    const double error = drawn_error(node, draws_.back()) * selector_.pixels_per_metre(node);
+    frame_->achieved_error_pixels = std::max(frame_->achieved_error_pixels, error);
+}
+
+/// Metres: of the tile itself, of steps that were left away, and of relief drawn flat.
+double Streamer::drawn_error(NodeIndex node, const TileDraw& draw) const {
+    const auto& record = *directory_.node(node).record;
+    double error = record.geometric_error;
+    const auto& mesh = record.steps(Layer::kMesh);
+    const size_t drawn = draw.mesh_step_words.size();
+    if (drawn > 0 && drawn < mesh.size()) error = std::max<double>(error, mesh[drawn - 1].error);
+    if (draw.facade == kNoLayer) error = std::max<double>(error, record.flat_facade_error);
+    return error;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<CityStreamer>> CityStreamer::open(Fetcher& fetcher, LayerStore& store,
+                                                         const StreamerOptions& options) {
+    const auto json = fetch_now(fetcher, tiles::tileset::kTilesetPath, kManifestLimit);
+    if (!json) return json.error();
+    auto manifest = tiles::tileset::parse_tileset_json(*json);
+    if (!manifest) return Error{about("tileset.json", manifest.error().text())};
+    const bool empty_city = manifest->tiles == 0;
+    auto streamer = std::make_unique<Streamer>(fetcher, store, options, std::move(*manifest));
+    if (!empty_city) {
+        const std::string path = tiles::tileset::subtree_path({});
+        const auto bytes = fetch_now(fetcher, path, subtree_limit(options.host_budget_bytes));
+        if (!bytes) return bytes.error();
+        const Status added = streamer->add_subtree(*bytes, {});
+        if (!added) return Error{about(path, added.error().text())};
+    }
+    return std::unique_ptr<CityStreamer>(std::move(streamer));
+}
+
+}  // namespace citystream::client

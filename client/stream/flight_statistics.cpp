@@ -1,0 +1,163 @@
+#include "client/stream/flight_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+namespace citystream::client {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Measure = std::function<double(const FlightFrame&)>;
+
+double milliseconds(double value) { return std::round(value * 1000) / 1000; }
+
+Json frame_json(const FlightFrame& frame) {
+    const StreamerFrame& s = frame.stream;
+    const FrameTimings& g = frame.timings;
+    return {{"frame", frame.index},
+            {"t", frame.t},
+            {"ms",
+             {{"total", milliseconds(frame.total_ms)},
+              {"select", milliseconds(s.select_ms)},
+              {"wait", milliseconds(s.wait_ms)},
+              {"decode", milliseconds(s.decode_ms)},
+              {"record", milliseconds(g.cpu_record_ms)},
+              {"gpu_mesh", milliseconds(g.gpu_mesh_ms)},
+              {"gpu_facade", milliseconds(g.gpu_facade_ms)},
+              {"gpu_total", milliseconds(g.gpu_total_ms)},
+              {"readback", milliseconds(g.readback_ms)}}},
+            {"tiles", {{"drawn", s.tiles_drawn}, {"wanted", s.tiles_wanted}, {"missing", s.tiles_missing}}},
+            {"requests", s.requests},
+            {"bytes",
+             {{"wire", s.wire_bytes}, {"decoded", s.decoded_bytes}, {"gpu", s.gpu_bytes_used}, {"host", s.host_bytes_used}}},
+            {"cache", {{"hits", s.cache_hits}, {"misses", s.cache_misses}}},
+            {"tolerance_used", s.tolerance_used},
+            {"achieved_error_pixels", s.achieved_error_pixels},
+            {"warnings", s.warnings.size()}};
+}
+
+Json spread(const std::vector<FlightFrame>& frames, const Measure& measure) {
+    std::vector<double> values;
+    values.reserve(frames.size());
+    for (const FlightFrame& frame : frames) values.push_back(measure(frame));
+    return {{"median", milliseconds(percentile(values, 50))},
+            {"p90", milliseconds(percentile(values, 90))},
+            {"p99", milliseconds(percentile(values, 99))},
+            {"max", milliseconds(percentile(values, 100))}};
+}
+
+uint64_t sum(const std::vector<FlightFrame>& frames, const std::function<uint64_t(const FlightFrame&)>& count) {
+    uint64_t total = 0;
+    for (const FlightFrame& frame : frames) total += count(frame);
+    return total;
+}
+
+Json description_json(const FlightDescription& d) {
+    return {{"place", d.place},
+            {"path", d.path},
+            {"mode", d.mode},
+            {"device", d.device},
+            {"network", d.network},
+            {"size", {d.width, d.height}},
+            {"fps", d.frames_per_second},
+            {"tolerance_pixels", d.tolerance_pixels},
+            {"gpu_budget_bytes", d.gpu_budget_bytes},
+            {"host_budget_bytes", d.host_budget_bytes}};
+}
+
+Json times_json(const std::vector<FlightFrame>& frames) {
+    return {{"total", spread(frames, [](const FlightFrame& f) { return f.total_ms; })},
+            {"select", spread(frames, [](const FlightFrame& f) { return f.stream.select_ms; })},
+            {"wait", spread(frames, [](const FlightFrame& f) { return f.stream.wait_ms; })},
+            {"decode", spread(frames, [](const FlightFrame& f) { return f.stream.decode_ms; })},
+            {"record", spread(frames, [](const FlightFrame& f) { return f.timings.cpu_record_ms; })},
+            {"gpu_mesh", spread(frames, [](const FlightFrame& f) { return f.timings.gpu_mesh_ms; })},
+            {"gpu_facade", spread(frames, [](const FlightFrame& f) { return f.timings.gpu_facade_ms; })},
+            {"gpu_total", spread(frames, [](const FlightFrame& f) { return f.timings.gpu_total_ms; })},
+            {"readback", spread(frames, [](const FlightFrame& f) { return f.timings.readback_ms; })}};
+}
+
+Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::string>& warnings,
+             const FlightTotals& totals) {
+    const FetcherStatistics& net = totals.fetcher;
+    const auto most = [&](const Measure& measure) {
+        double value = 0;
+        for (const FlightFrame& frame : frames) value = std::max(value, measure(frame));
+        return value;
+    };
+    return {{"frames", frames.size()},
+            {"stopped_early", totals.stopped_early},
+            {"ms", times_json(frames)},
+            {"tiles_drawn", spread(frames, [](const FlightFrame& f) { return static_cast<double>(f.stream.tiles_drawn); })},
+            {"tiles_missing", sum(frames, [](const FlightFrame& f) { return f.stream.tiles_missing; })},
+            {"bytes",
+             {{"wire", sum(frames, [](const FlightFrame& f) { return f.stream.wire_bytes; })},
+              {"decoded", sum(frames, [](const FlightFrame& f) { return f.stream.decoded_bytes; })},
+              {"gpu_max", static_cast<uint64_t>(most([](const FlightFrame& f) { return static_cast<double>(f.stream.gpu_bytes_used); }))},
+              {"host_max", static_cast<uint64_t>(most([](const FlightFrame& f) { return static_cast<double>(f.stream.host_bytes_used); }))},
+              {"gpu_allocated", totals.gpu_bytes_allocated},
+              {"frame_buffers", totals.frame_buffer_bytes}}},
+            {"cache",
+             {{"hits", sum(frames, [](const FlightFrame& f) { return f.stream.cache_hits; })},
+              {"misses", sum(frames, [](const FlightFrame& f) { return f.stream.cache_misses; })}}},
+            {"network",
+             {{"requests", net.requests},
+              {"retries", net.retries},
+              {"failures", net.failures},
+              {"cancelled", net.cancelled},
+              {"body_bytes", net.body_bytes},
+              {"header_bytes", net.header_bytes}}},
+            {"tolerance_used_max", most([](const FlightFrame& f) { return f.stream.tolerance_used; })},
+            {"achieved_error_pixels",
+             spread(frames, [](const FlightFrame& f) { return f.stream.achieved_error_pixels; })},
+            {"validation_messages", totals.validation_messages},
+            {"warnings", warnings.size()}};
+}
+
+}  // namespace
+
+double percentile(std::vector<double> values, double rank) {
+    if (values.empty()) return 0;
+    const double place = std::ceil(rank / 100 * static_cast<double>(values.size()));
+    const auto index = static_cast<size_t>(std::clamp(place - 1, 0.0, static_cast<double>(values.size() - 1)));
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(index), values.end());
+    return values[index];
+}
+
+void FlightStatistics::add(FlightFrame frame) {
+    for (const std::string& warning : frame.stream.warnings) {
+        if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
+    }
+    frames_.push_back(std::move(frame));
+}
+
+uint64_t FlightStatistics::gpu_bytes_max() const {
+    uint64_t most = 0;
+    for (const FlightFrame& frame : frames_) most = std::max(most, frame.stream.gpu_bytes_used);
+    return most;
+}
+
+uint64_t FlightStatistics::host_bytes_max() const {
+    uint64_t most = 0;
+    for (const FlightFrame& frame : frames_) most = std::max(most, frame.stream.host_bytes_used);
+    return most;
+}
+
+std::string FlightStatistics::json(const FlightTotals& totals) const {
+    Json document = {{"flight", description_json(description_)}, {"summary", summary(frames_, warnings_, totals)}};
+    document["warnings"] = warnings_;
+    Json list = Json::array();
+    for (const FlightFrame& frame : frames_) list.push_back(frame_json(frame));
+    document["frames"] = std::move(list);
+    return document.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string FlightStatistics::summary_json(const FlightTotals& totals) const {
+    Json document = {{"flight", description_json(description_)}, {"summary", summary(frames_, warnings_, totals)}};
+    document["warnings"] = warnings_;
+    return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace citystream::client

@@ -1,0 +1,120 @@
+#include "client/stream/layer_decoder.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+
+#include "codec/atlas/atlas_layer.h"
+#include "codec/bits/zstd_frame.h"
+#include "codec/facade/facade_layer.h"
+#include "codec/facade/facade_map.h"
+#include "codec/mesh/mesh_layer.h"
+
+namespace citystream::client {
+
+using tiles::tileset::Layer;
+
+static_assert(std::endian::native == std::endian::little, "decoded words are little-endian");
+
+namespace {
+
+Status append_words(std::span<const std::byte> wire, uint32_t decoded_bytes, std::vector<uint32_t>& words) {
+    const auto raw = codec::bits::decompress_frame(wire, decoded_bytes);
+    if (!raw) return raw.error();
+    const size_t before = words.size();
+    words.resize(before + raw->size() / 4);
+    std::memcpy(words.data() + before, raw->data(), raw->size() / 4 * 4);
+    return Done{};
+}
+
+Result<LayerFacts> check_mesh(const DecodedPrefix& prefix, uint32_t chart_count) {
+    const auto view = codec::mesh::MeshLayerView::create(prefix.words, prefix.step_words, chart_count);
+    if (!view) return view.error();
+    LayerFacts facts;
+    facts.mesh_triangles = view->triangle_count();
+    facts.mesh_dressed_begin = view->dressed_begin();
+    return facts;
+}
+
+Result<LayerFacts> check_atlas(const DecodedPrefix& prefix) {
+    const auto view = codec::atlas::AtlasLayerView::create(prefix.words, prefix.step_words);
+    if (!view) return view.error();
+    LayerFacts facts;
+    facts.chart_count = view->chart_count();
+    facts.finest_mip = view->finest_mip();
+    return facts;
+}
+
+Result<LayerFacts> check_facade(const DecodedPrefix& prefix, uint32_t chart_count, uint32_t map_count) {
+    const auto tile = codec::facade::decode_facades(prefix.words, map_count, chart_count);
+    if (!tile) return tile.error();
+    LayerFacts facts;
+    facts.placements = static_cast<uint32_t>(tile->placements.size());
+    for (const auto& placement : tile->placements) facts.facade_maps.push_back(placement.map);
+    std::sort(facts.facade_maps.begin(), facts.facade_maps.end());
+    facts.facade_maps.erase(std::unique(facts.facade_maps.begin(), facts.facade_maps.end()), facts.facade_maps.end());
+    return facts;
+}
+
+}  // namespace
+
+bool decompress_prefix(std::span<const std::vector<std::byte>> wire,
+                       std::span<const tiles::tileset::StepRecord> steps, DecodedPrefix& out, DecodeFailure& failure) {
+    out = {};
+    uint64_t total = 0;
+    for (const auto& step : steps) total += step.decoded_bytes / 4;
+    out.words.reserve(total);
+    for (uint32_t i = 0; i < steps.size(); ++i) {
+        const Status appended = append_words(wire[i], steps[i].decoded_bytes, out.words);
+        if (!appended) {
+            failure = {i, appended.error().text()};
+            return false;
+        }
+        out.step_words.push_back(steps[i].decoded_bytes / 4);
+    }
+    return true;
+}
+
+Result<LayerFacts> check_layer(Layer layer, const DecodedPrefix& prefix, uint32_t chart_count, uint32_t map_count) {
+    switch (layer) {
+        case Layer::kMesh: return check_mesh(prefix, chart_count);
+        case Layer::kAtlas: return check_atlas(prefix);
+        case Layer::kFacade: return check_facade(prefix, chart_count, map_count);
+        case Layer::kRadiance: break;
+    }
+    return Error{"this version draws no radiance layers"};
+}
+
+bool decode_layer(Layer layer, std::span<const std::vector<std::byte>> wire,
+                  std::span<const tiles::tileset::StepRecord> steps, uint32_t chart_count, uint32_t map_count,
+                  DecodedPrefix& out, LayerFacts& facts, DecodeFailure& failure) {
+    if (!decompress_prefix(wire, steps, out, failure)) return false;
+    auto checked = check_layer(layer, out, chart_count, map_count);
+    if (checked) {
+        facts = std::move(*checked);
+        return true;
+    }
+    failure = {0, checked.error().text()};
+    // Which step is to blame: the one after the longest prefix that is good.
+    DecodedPrefix shorter = out;
+    while (shorter.step_words.size() > 1) {
+        shorter.words.resize(shorter.words.size() - shorter.step_words.back());
+        shorter.step_words.pop_back();
+        if (check_layer(layer, shorter, chart_count, map_count)) {
+            failure.step = static_cast<uint32_t>(shorter.step_words.size());
+            break;
+        }
+    }
+    return false;
+}
+
+Result<std::vector<uint32_t>> decode_map(std::span<const std::byte> wire, uint32_t decoded_bytes) {
+    std::vector<uint32_t> words;
+    const Status appended = append_words(wire, decoded_bytes, words);
+    if (!appended) return appended.error();
+    const auto view = codec::facade::FacadeMapView::create(words);
+    if (!view) return view.error();
+    return words;
+}
+
+}  // namespace citystream::client

@@ -1,0 +1,53 @@
+// From wire bytes to checked words: zstd, then the codec's own view, so that nothing unchecked reaches the GPU.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "codec/result.h"
+#include "tiles/tileset/directory.h"
+
+namespace citystream::client {
+
+/// The concatenated words of a prefix, and how many words each step has.
+struct DecodedPrefix {
+    std::vector<uint32_t> words;
+    std::vector<uint32_t> step_words;
+};
+
+/// What the renderer must know of a layer beside its words.
+struct LayerFacts {
+    uint32_t mesh_triangles = 0, mesh_dressed_begin = 0;
+    uint32_t chart_count = 0, finest_mip = 0;
+    uint32_t placements = 0;
+    std::vector<uint32_t> facade_maps;  ///< sorted, distinct
+};
+
+/// No limit on chart indices: the tile has no atlas, or it is not here yet.
+inline constexpr uint32_t kAnyChart = ~uint32_t{0};
+
+/// Where decoding failed: the step whose bytes are bad.
+struct DecodeFailure {
+    uint32_t step = 0;
+    std::string message;
+};
+
+/// Decompresses steps [0, count). `wire[i]` are the bytes of step i. On failure `failure` names the step.
+bool decompress_prefix(std::span<const std::vector<std::byte>> wire,
+                       std::span<const tiles::tileset::StepRecord> steps, DecodedPrefix& out, DecodeFailure& failure);
+
+/// Checks the words of a prefix as the codec of `layer` does. `chart_count`: of the tile's atlas (mesh and facade); `map_count`: of the dictionary (facade).
+Result<LayerFacts> check_layer(tiles::tileset::Layer layer, const DecodedPrefix& prefix, uint32_t chart_count,
+                               uint32_t map_count);
+
+/// Both, and on failure the first step without which the prefix before it is good.
+bool decode_layer(tiles::tileset::Layer layer, std::span<const std::vector<std::byte>> wire,
+                  std::span<const tiles::tileset::StepRecord> steps, uint32_t chart_count, uint32_t map_count,
+                  DecodedPrefix& out, LayerFacts& facts, DecodeFailure& failure);
+
+/// One facade map: a frame of the maps entry.
+Result<std::vector<uint32_t>> decode_map(std::span<const std::byte> wire, uint32_t decoded_bytes);
+
+}  // namespace citystream::client

@@ -1,0 +1,288 @@
+#include "client/stream/tile_residency.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace citystream::client {
+
+using tiles::tileset::checksum_of;
+using tiles::tileset::kLayerCount;
+using tiles::tileset::Layer;
+using tiles::tileset::StepRecord;
+using tiles::tileset::TileRecord;
+
+namespace {
+
+/// Adds the time of its life to a counter.
+class Stopwatch {
+  public:
+    explicit Stopwatch(double& milliseconds) : milliseconds_(milliseconds) {}
+    ~Stopwatch() {
+        milliseconds_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
+    }
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+
+  private:
+    double& milliseconds_;
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+/// Decode buffers, counted while they live.
+class Scratch {
+  public:
+    Scratch(HostMemory& host, uint64_t bytes) : host_(host), bytes_(bytes) {
+        host_.scratch += bytes_;
+        host_.note_peak();
+    }
+    ~Scratch() { host_.scratch -= bytes_; }
+    Scratch(const Scratch&) = delete;
+    Scratch& operator=(const Scratch&) = delete;
+
+  private:
+    HostMemory& host_;
+    uint64_t bytes_;
+};
+
+uint64_t step_begin(const std::vector<StepRecord>& steps, uint32_t step) { return step == 0 ? 0 : steps[step - 1].end; }
+
+}  // namespace
+
+void TileResidency::grow() {
+    const size_t before = facts_.size();
+    const size_t count = directory_.nodes().size();
+    facts_.resize(count);
+    knowledge_.tiles.resize(count);
+    host_.fixed += (count - before) * (sizeof(Facts) + sizeof(TileKnowledge));
+    host_.note_peak();
+}
+
+void TileResidency::warn(const std::string& text) {
+    if (warned_.insert(text).second) warnings_.push_back(text);
+}
+
+void TileResidency::damaged(CachedLayer& entry, NodeIndex node, Layer layer, uint32_t step, const std::string& why) {
+    cache_.drop_wire_from(entry, step);
+    if (entry.store_steps > step) cache_.drop_store(entry);
+    if (++entry.damages < 2) return;
+    uint8_t& usable = knowledge_.tiles[node].usable_steps[static_cast<size_t>(layer)];
+    usable = static_cast<uint8_t>(std::min<uint32_t>(usable, step));
+    const char* consequence = layer == Layer::kFacade ? "its facades are drawn flat"
+                              : step > 0              ? "the tile is drawn coarser"
+                                                      : "the tile is drawn from its parent";
+    warn(layer_path(layer, directory_.node(node).record->address) + ": step " + std::to_string(step) +
+         " is damaged (" + why + ", also on the second try); " + consequence);
+}
+
+void TileResidency::damaged_map(CachedLayer& entry, uint32_t map, const std::string& why) {
+    cache_.drop_wire_from(entry, 0);
+    if (++entry.damages < 2) return;
+    knowledge_.broken_maps[map] = true;
+    warn("facades/maps: map " + std::to_string(map) + " is damaged (" + why +
+         ", also on the second try); its facades are drawn flat");
+}
+
+void TileResidency::accept_layer(NodeIndex node, Layer layer, uint32_t from, uint32_t to,
+                                 std::span<const std::byte> bytes) {
+    CachedLayer& entry = cache_.at(layer_key(node, layer));
+    if (entry.wire_steps != from) return;  // dropped meanwhile: a later step alone is of no use
+    const auto& steps = directory_.node(node).record->steps(layer);
+    const bool keep = decode_ || layer == Layer::kFacade;
+    uint64_t at = 0;
+    for (uint32_t i = from; i < to; ++i) {
+        const uint64_t size = steps[i].end - step_begin(steps, i);
+        const auto part = bytes.subspan(at, size);
+        at += size;
+        if (checksum_of(part.data(), part.size()) != steps[i].checksum) {
+            damaged(entry, node, layer, i, "checksum differs");
+            return;
+        }
+        cache_.add_wire(entry, {part.begin(), part.end()}, keep);
+    }
+    if (layer == Layer::kFacade && entry.wire_steps == steps.size()) learn_facade_maps(node);
+}
+
+void TileResidency::accept_maps(uint32_t first, uint32_t last, std::span<const std::byte> bytes) {
+    uint64_t at = 0;
+    for (uint32_t map = first; map < last; ++map) {
+        CachedLayer& entry = cache_.at(map_key(map));
+        const auto part = bytes.subspan(at, knowledge_.map_wire_bytes(map));
+        at += part.size();
+        if (entry.wire_steps > 0) continue;
+        if (checksum_of(part.data(), part.size()) != knowledge_.maps[map].checksum) {
+            damaged_map(entry, map, "checksum differs");
+        } else {
+            cache_.add_wire(entry, {part.begin(), part.end()}, decode_);
+        }
+    }
+}
+
+/// Which maps a tile uses is known as soon as its placements are here, before anything is drawn: the budget counts them.
+void TileResidency::learn_facade_maps(NodeIndex node) {
+    TileKnowledge& known = knowledge_.tiles[node];
+    if (known.facade_maps_known) return;
+    CachedLayer& entry = cache_.at(layer_key(node, Layer::kFacade));
+    const auto& steps = directory_.node(node).record->steps(Layer::kFacade);
+    const Scratch scratch(host_, 2 * decoded_prefix_bytes(steps, entry.wire_steps));
+    const Stopwatch watch(counters_.decode_ms);
+    DecodedPrefix prefix;
+    LayerFacts facts;
+    DecodeFailure failure;
+    const auto map_count = static_cast<uint32_t>(directory_.manifest().facade_map_count);
+    if (!decode_layer(Layer::kFacade, entry.wire, steps, kAnyChart, map_count, prefix, facts, failure)) {
+        damaged(entry, node, Layer::kFacade, failure.step, failure.message);
+        return;
+    }
+    known.facade_maps = std::move(facts.facade_maps);
+    known.facade_maps_known = true;
+    host_.fixed += known.facade_maps.size() * sizeof(uint32_t);
+    host_.note_peak();
+}
+
+void TileResidency::upload(const SelectedTile& wanted) {
+    for (const Layer layer : {Layer::kAtlas, Layer::kMesh, Layer::kFacade}) {
+        upload_layer(wanted.node, layer, wanted.steps_of(layer));
+    }
+    const TileKnowledge& known = knowledge_.tiles[wanted.node];
+    if (wanted.steps_of(Layer::kFacade) == 0 || !known.facade_maps_known || knowledge_.maps.empty()) return;
+    for (const uint32_t map : known.facade_maps) upload_map(map);
+}
+
+void TileResidency::upload_layer(NodeIndex node, Layer layer, uint32_t wanted) {
+    if (wanted == 0) return;
+    CachedLayer* entry = cache_.find(layer_key(node, layer));
+    if (entry == nullptr) return;
+    const uint32_t steps = std::min(wanted, entry->wire_steps);
+    if (steps <= entry->store_steps) return;
+    const TileRecord& record = *directory_.node(node).record;
+    const bool waits_for_charts = layer != Layer::kAtlas && !record.steps(Layer::kAtlas).empty();
+    if (decode_ && waits_for_charts && !facts_[node].charts_known) return;
+    const uint64_t bytes = decoded_prefix_bytes(record.steps(layer), steps);
+    if (!cache_.free_slots(cache_.slots_for(bytes) - cache_.slots_for(entry->store_bytes))) return;
+    const Stopwatch watch(counters_.decode_ms);
+    const uint64_t before = entry->store_bytes;
+    const bool done = decode_ ? decode_to_store(*entry, node, layer, steps)
+                              : cache_.append_zeros(*entry, bytes - before, steps).ok();
+    if (done) counters_.decoded_bytes += bytes - before;
+}
+
+bool TileResidency::decode_to_store(CachedLayer& entry, NodeIndex node, Layer layer, uint32_t steps) {
+    const auto& all = directory_.node(node).record->steps(layer);
+    const std::span<const StepRecord> wanted = std::span(all).first(steps);
+    const uint64_t decoded = decoded_prefix_bytes(all, steps);
+    cache_.free_host(2 * decoded);
+    const Scratch scratch(host_, 2 * decoded);
+    DecodedPrefix prefix;
+    LayerFacts facts;
+    DecodeFailure failure;
+    const auto map_count = static_cast<uint32_t>(directory_.manifest().facade_map_count);
+    if (!decode_layer(layer, entry.wire, wanted, facts_[node].chart_count, map_count, prefix, facts, failure)) {
+        damaged(entry, node, layer, failure.step, failure.message);
+        return false;
+    }
+    const Status appended = cache_.append(entry, std::span(prefix.words).subspan(entry.store_bytes / 4), steps);
+    if (!appended) {
+        warn(layer_path(layer, directory_.node(node).record->address) + ": " + appended.error().text());
+        return false;
+    }
+    remember(node, layer, steps, facts);
+    return true;
+}
+
+void TileResidency::remember(NodeIndex node, Layer layer, uint32_t steps, LayerFacts& facts) {
+    Facts& known = facts_[node];
+    if (layer == Layer::kMesh) {
+        known.mesh_triangles = facts.mesh_triangles;
+        known.mesh_dressed_begin = facts.mesh_dressed_begin;
+    } else if (layer == Layer::kAtlas) {
+        known.charts_known = true;
+        known.chart_count = facts.chart_count;
+        known.coarsest_step_mip = facts.finest_mip + steps - 1;
+    } else {
+        known.placements = facts.placements;
+    }
+}
+
+void TileResidency::upload_map(uint32_t map) {
+    CachedLayer* entry = cache_.find(map_key(map));
+    if (entry == nullptr || entry->wire_steps == 0 || entry->store_steps > 0) return;
+    const uint32_t decoded = knowledge_.maps[map].decoded_bytes;
+    if (!cache_.free_slots(cache_.slots_for(decoded))) return;
+    const Stopwatch watch(counters_.decode_ms);
+    if (!decode_) {
+        if (cache_.append_zeros(*entry, decoded, 1)) counters_.decoded_bytes += decoded;
+        return;
+    }
+    cache_.free_host(uint64_t{2} * decoded);
+    const Scratch scratch(host_, uint64_t{2} * decoded);
+    const auto words = decode_map(entry->wire[0], decoded);
+    if (!words) {
+        damaged_map(*entry, map, words.error().text());
+        return;
+    }
+    const Status appended = cache_.append(*entry, *words, 1);
+    if (!appended) {
+        warn("facades/maps: map " + std::to_string(map) + ": " + appended.error().text());
+        return;
+    }
+    counters_.decoded_bytes += decoded;
+}
+
+bool TileResidency::drawable(NodeIndex node) {
+    const TileRecord& record = *directory_.node(node).record;
+    for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
+        if (record.steps(layer).empty()) {
+            if (layer == Layer::kMesh) return true;
+            continue;
+        }
+        const CachedLayer* entry = cache_.find(layer_key(node, layer));
+        if (entry == nullptr || entry->store_steps == 0) return false;
+    }
+    return true;
+}
+
+bool TileResidency::relief_drawable(NodeIndex node) {
+    const TileKnowledge& known = knowledge_.tiles[node];
+    const CachedLayer* entry = cache_.find(layer_key(node, Layer::kFacade));
+    if (entry == nullptr || entry->store_steps == 0 || !known.facade_maps_known) return false;
+    return std::all_of(known.facade_maps.begin(), known.facade_maps.end(), [&](uint32_t map) {
+        const CachedLayer* held = cache_.find(map_key(map));
+        return held != nullptr && held->store_steps > 0;
+    });
+}
+
+TileDraw TileResidency::draw(NodeIndex node, const std::array<uint8_t, kLayerCount>& steps) {
+    const TileRecord& record = *directory_.node(node).record;
+    const Facts& facts = facts_[node];
+    const GridPoint origin = directory_.manifest().tile_origin(record);
+    TileDraw out;
+    out.origin = {to_metres(origin.x), to_metres(origin.y), to_metres(origin.z)};
+    CachedLayer& mesh = cache_.at(layer_key(node, Layer::kMesh));
+    cache_.mark_drawn(mesh);
+    out.mesh = mesh.id;
+    const uint32_t mesh_steps = std::min<uint32_t>(steps[static_cast<size_t>(Layer::kMesh)], mesh.store_steps);
+    for (uint32_t i = 0; i < mesh_steps; ++i) {
+        out.mesh_step_words.push_back(record.steps(Layer::kMesh)[i].decoded_bytes / 4);
+    }
+    out.mesh_triangles = facts.mesh_triangles;
+    out.mesh_dressed_begin = facts.mesh_dressed_begin;
+    if (CachedLayer* atlas = cache_.find(layer_key(node, Layer::kAtlas)); atlas != nullptr && atlas->store_steps > 0) {
+        cache_.mark_drawn(*atlas);
+        out.atlas = atlas->id;
+        const uint32_t wanted = std::max<uint32_t>(1, steps[static_cast<size_t>(Layer::kAtlas)]);
+        out.atlas_finest_mip = facts.coarsest_step_mip - (std::min(wanted, atlas->store_steps) - 1);
+    }
+    if (steps[static_cast<size_t>(Layer::kFacade)] == 0 || !relief_drawable(node)) return out;
+    CachedLayer& facade = cache_.at(layer_key(node, Layer::kFacade));
+    cache_.mark_drawn(facade);
+    out.facade = facade.id;
+    out.facade_placements = facts.placements;
+    for (const uint32_t map : knowledge_.tiles[node].facade_maps) {
+        CachedLayer& held = cache_.at(map_key(map));
+        cache_.mark_drawn(held);
+        out.facade_maps.push_back({map, held.id});
+    }
+    return out;
+}
+
+}  // namespace citystream::client

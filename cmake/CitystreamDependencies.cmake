@@ -1,0 +1,23 @@
+# Every library of other people that the rooms link. README's table says why each is here.
+include_guard()
+
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(Boost 1.81 REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(EXPAT REQUIRED)
+find_package(LibLZMA REQUIRED)
+find_package(OpenMesh REQUIRED)
+find_package(OpenSSL REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(fmt REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(simdjson REQUIRED)
+find_library(ZSTD_LIBRARY zstd REQUIRED)
+pkg_check_modules(EGL REQUIRED egl)
+pkg_check_modules(GLES REQUIRED glesv2)
+pkg_check_modules(GLU REQUIRED glu)
+pkg_check_modules(LIBAV REQUIRED libavcodec libavformat libavutil libswscale)
+# OpenImageIO's CMake package names folders that Debian does not ship; its pkg-config file is right.
+pkg_check_modules(OPENIMAGEIO REQUIRED OpenImageIO)
+pkg_check_modules(XXHASH REQUIRED libxxhash)

@@ -1,0 +1,54 @@
+// Atlas layer of a tile: its charts (parts of images, wrapped or clamped) in BC1, each with its own mip chain, mips
+// coarse to fine as steps. Every chart has its own mips down to 1 x 1 and is filtered inside its own bounds, so nothing
+// bleeds and wrapping has no seam.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "codec/layer_steps.h"
+#include "codec/result.h"
+
+namespace citystream::codec::atlas {
+
+/// A chart's finest image: 8-bit RGB (sRGB-encoded), row 0 is the bottom (v = 0).
+struct ChartImage {
+    uint32_t width = 0, height = 0;  ///< 1..8192
+    bool repeat_u = false, repeat_v = false;
+    float metres_per_texel = 0;  ///< of mip 0, the coarser axis; only for the stated error
+    std::vector<uint8_t> rgb;    ///< 3 * width * height
+};
+
+/// The next coarser mip (max(1, size >> 1)), 2 x 2 box filter (odd sizes: weighted three-tap box), rounding half up;
+/// integer, deterministic.
+ChartImage downsample(const ChartImage& image);
+
+/// Encodes. No charts: one step of header words. Precondition (programming error): sizes in range, rgb of matching
+/// size. Step 0 holds the mips whose parts sum to at most 4 KiB (at least the coarsest), each later step one finer mip.
+/// A chart has mips down to 1 x 1; one whose mips end above the finest of step 0 repeats its 1 x 1 mip up to there, so
+/// that every prefix shows every chart. A step's error: the largest metres_per_texel over the charts at that mip
+/// (charts that already are at their finest count with their own).
+LayerSteps encode_atlas(std::span<const ChartImage> charts);
+
+/// A checked view of a prefix; nothing can be read outside the words afterwards.
+class AtlasLayerView {
+  public:
+    static Result<AtlasLayerView> create(std::span<const uint32_t> words, std::span<const uint32_t> step_words);
+    uint32_t chart_count() const;
+    uint32_t finest_mip()
+        const;  ///< finest mip that this prefix holds; every chart has it or only coarser ones, at least one
+    uint32_t width(uint32_t chart) const;
+    uint32_t height(uint32_t chart) const;
+    uint32_t flags(uint32_t chart) const;
+    uint32_t mip_count(uint32_t chart)
+        const;  ///< this chart's mips are finest_mip() .. mip_count(chart) - 1; sample at clamp(mip, these)
+    /// One texel of a mip that the prefix holds; x, y inside the mip's size.
+    void texel(uint32_t chart, uint32_t mip, uint32_t x, uint32_t y, uint8_t rgb[3]) const;
+
+  private:
+    std::span<const uint32_t> words_;
+    uint32_t finest_mip_ = 0;
+};
+
+}  // namespace citystream::codec::atlas

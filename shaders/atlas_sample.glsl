@@ -1,0 +1,109 @@
+// Samples a chart of an atlas layer straight from its BC1 blocks: wrapped or clamped inside the chart, bilinear, trilinear between its own mips.
+// Twin of AtlasLayerView in codec/atlas/atlas_layer.h and of codec/atlas/bc1.h: same texels, integer by integer.
+#ifndef CITYSTREAM_ATLAS_SAMPLE_GLSL
+#define CITYSTREAM_ATLAS_SAMPLE_GLSL
+
+#include "codec/atlas/atlas_layout.h"
+#include "shaders/bits.glsl"
+
+struct AtlasChart {
+    uint index;
+    uint size;       // width | height << 16, of mip 0
+    uint flags;
+    uint mip_table;  // word
+};
+
+AtlasChart atlas_chart(uvec2 atlas, uint index) {
+    uint entry = ATLAS_HEADER_WORDS + index * ATLAS_CHART_WORDS;
+    return AtlasChart(index, layer_word(atlas, entry + ATLAS_CHART_SIZE), layer_word(atlas, entry + ATLAS_CHART_FLAGS),
+                      layer_word(atlas, ATLAS_WORD_MIP_TABLE));
+}
+
+uint chart_mip_count(AtlasChart chart) { return chart.flags >> 8; }
+
+ivec2 chart_mip_size(AtlasChart chart, uint mip) {
+    return ivec2(max(1u, (chart.size & 0xffffu) >> mip), max(1u, (chart.size >> 16) >> mip));
+}
+
+// Word of the chart's first block in a mip.
+uint chart_blocks(uvec2 atlas, AtlasChart chart, uint mip) {
+    uint part = layer_word(atlas, chart.mip_table + mip);
+    return part + layer_word(atlas, part + chart.index);
+}
+
+uvec2 load_block(uvec2 atlas, uint blocks, int blocks_across, ivec2 block) {
+    uint word = blocks + uint(block.y * blocks_across + block.x) * 2u;
+    return uvec2(layer_word(atlas, word), layer_word(atlas, word + 1u));
+}
+
+ivec3 expand_565(uint c) {
+    ivec3 v = ivec3(c >> 11, c >> 5 & 63u, c & 31u);
+    return ivec3(v.r << 3 | v.r >> 2, v.g << 2 | v.g >> 4, v.b << 3 | v.b >> 2);
+}
+
+// 0..255 a channel: c0, c1, (2 c0 + c1 + 1) / 3, (c0 + 2 c1 + 1) / 3.
+ivec3 bc1_texel(uvec2 block, uint i) {
+    uint code = block.y >> (2u * i) & 3u;
+    int thirds = code < 2u ? int(code) * 3 : int(code) - 1;
+    ivec3 sum = expand_565(block.x & 0xffffu) * (3 - thirds) + expand_565(block.x >> 16) * thirds + 1;
+    return sum * 21846 >> 16;  // sum / 3, exact up to 766
+}
+
+ivec3 block_texel(uvec2 block, ivec2 texel) { return bc1_texel(block, uint((texel.y & 3) << 2 | texel.x & 3)); }
+
+// One texel (tests, and charts of one texel).
+ivec3 chart_texel(uvec2 atlas, AtlasChart chart, uint mip, ivec2 texel) {
+    int across = (chart_mip_size(chart, mip).x + 3) >> 2;
+    return block_texel(load_block(atlas, chart_blocks(atlas, chart, mip), across, texel >> 2), texel);
+}
+
+// The two texel columns (or rows) that a coordinate lies between, wrapped or clamped, and the weight of the second.
+ivec2 neighbours(float coordinate, int size, bool repeat, out float weight) {
+    float x = (repeat ? coordinate - floor(coordinate) : clamp(coordinate, -1.0, 2.0)) * float(size) - 0.5;
+    float low = floor(x);
+    weight = x - low;
+    ivec2 pair = ivec2(int(low), int(low) + 1);
+    if (repeat) return ivec2(pair.x < 0 ? size - 1 : pair.x, pair.y >= size ? 0 : pair.y);
+    return clamp(pair, 0, size - 1);
+}
+
+vec3 sample_mip(uvec2 atlas, AtlasChart chart, uint mip, vec2 uv) {
+    ivec2 size = chart_mip_size(chart, mip);
+    uint blocks = chart_blocks(atlas, chart, mip);
+    if (size.x * size.y == 1) return vec3(bc1_texel(load_block(atlas, blocks, 1, ivec2(0)), 0u)) * (1.0 / 255.0);
+    vec2 weight;
+    ivec2 xs = neighbours(uv.x, size.x, (chart.flags & ATLAS_CHART_REPEAT_U) != 0u, weight.x);
+    ivec2 ys = neighbours(uv.y, size.y, (chart.flags & ATLAS_CHART_REPEAT_V) != 0u, weight.y);
+    int across = (size.x + 3) >> 2;
+    bool other_column = xs.x >> 2 != xs.y >> 2;
+    bool other_row = ys.x >> 2 != ys.y >> 2;
+    // Texels that share a block share its load.
+    uvec2 b00 = load_block(atlas, blocks, across, ivec2(xs.x, ys.x) >> 2);
+    uvec2 b10 = b00;
+    uvec2 b01 = b00;
+    if (other_column) b10 = load_block(atlas, blocks, across, ivec2(xs.y, ys.x) >> 2);
+    if (other_row) b01 = load_block(atlas, blocks, across, ivec2(xs.x, ys.y) >> 2);
+    uvec2 b11 = other_row ? b01 : b10;
+    if (other_column && other_row) b11 = load_block(atlas, blocks, across, ivec2(xs.y, ys.y) >> 2);
+    vec3 low = mix(vec3(block_texel(b00, ivec2(xs.x, ys.x))), vec3(block_texel(b10, ivec2(xs.y, ys.x))), weight.x);
+    vec3 high = mix(vec3(block_texel(b01, ivec2(xs.x, ys.y))), vec3(block_texel(b11, ivec2(xs.y, ys.y))), weight.x);
+    return mix(low, high, weight.y) * (1.0 / 255.0);
+}
+
+// uv in repeats; dx, dy: its change from pixel to pixel. OpenGL's isotropic level of detail, clamped to the mips that are resident.
+vec3 sample_chart(uvec2 atlas, AtlasChart chart, uint finest_mip, vec2 uv, vec2 dx, vec2 dy) {
+    vec2 size = vec2(chart_mip_size(chart, 0u));
+    vec2 across = dx * size;
+    vec2 up = dy * size;
+    float rho_squared = max(dot(across, across), dot(up, up));
+    float last = float(chart_mip_count(chart)) - 1.0;
+    float lod = clamp(0.5 * log2(max(rho_squared, 1e-12)), min(float(finest_mip), last), last);
+    uint mip = uint(lod);
+    float fraction = lod - float(mip);
+    vec3 colour = sample_mip(atlas, chart, mip, uv);
+    // Below one step of an 8-bit channel the second mip cannot be seen.
+    if (fraction > 1.0 / 256.0) colour = mix(colour, sample_mip(atlas, chart, mip + 1u, uv), fraction);
+    return colour;
+}
+
+#endif

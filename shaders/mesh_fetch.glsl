@@ -1,0 +1,63 @@
+// Decodes mesh layers word by word. Twin of MeshLayerView in codec/mesh/mesh_layer.h and of codec/mesh/octahedral.h: same integers.
+#ifndef CITYSTREAM_MESH_FETCH_GLSL
+#define CITYSTREAM_MESH_FETCH_GLSL
+
+#include "codec/mesh/mesh_layout.h"
+#include "shaders/bits.glsl"
+
+uint mesh_index(uvec2 mesh, uint widths, uint corner) {
+    uint bits = widths & 255u;
+    return read_bits(mesh, layer_word(mesh, MESH_WORD_INDICES), corner * bits, bits);
+}
+
+// Word of the chart table's entry that the triangle uses.
+uint mesh_chart_entry(uvec2 mesh, uint widths, uint triangle) {
+    uint bits = widths >> 8 & 255u;
+    uint chart = read_bits(mesh, layer_word(mesh, MESH_WORD_CHARTS), triangle * bits, bits);
+    return layer_word(mesh, MESH_WORD_CHART_TABLE) + chart * MESH_CHART_WORDS;
+}
+
+uvec3 mesh_planes(uvec2 mesh, uint base, uint vertex, uint bits) {
+    uint bit = vertex * 3u * bits;
+    return uvec3(read_bits(mesh, base, bit, bits), read_bits(mesh, base, bit + bits, bits),
+                 read_bits(mesh, base, bit + 2u * bits, bits));
+}
+
+// Tile-relative grid units: the known high bits of all resident steps, dropped bits zero.
+ivec3 mesh_position(uvec2 mesh, uint widths, uint steps, uint step_begin[DRAW_MESH_STEPS], uint vertex) {
+    uvec3 known = mesh_planes(mesh, layer_word(mesh, MESH_WORD_POSITIONS), vertex, widths >> 16 & 255u);
+    uint dropped = widths >> 24;
+    for (uint s = 1u; s < steps; ++s) {
+        uint plane_widths = layer_word(mesh, step_begin[s] + MESH_PLANES_WORD_WIDTHS);
+        uint bits = plane_widths & 255u;
+        known = known << bits | mesh_planes(mesh, step_begin[s] + MESH_PLANES_HEADER_WORDS, vertex, bits);
+        dropped = plane_widths >> 8;
+    }
+    uvec3 origin = uvec3(layer_word(mesh, MESH_WORD_ORIGIN_X), layer_word(mesh, MESH_WORD_ORIGIN_Y),
+                         layer_word(mesh, MESH_WORD_ORIGIN_Z));
+    return ivec3(origin + (known << dropped));
+}
+
+uint mesh_packed_normal(uvec2 mesh, uint vertex) {
+    return layer_word(mesh, layer_word(mesh, MESH_WORD_NORMALS) + (vertex >> 1)) >> (16u * (vertex & 1u)) & 0xffffu;
+}
+
+// On the octahedron |x| + |y| + |z| = 127, not normalised.
+ivec3 unfold_octahedral16(uint code) {
+    const int side = 127;
+    int u = min(int(code & 255u) - side, side);
+    int v = min(int(code >> 8 & 255u) - side, side);
+    int z = side - abs(u) - abs(v);
+    if (z >= 0) return ivec3(u, v, z);
+    return ivec3((u < 0 ? -1 : 1) * (side - abs(v)), (v < 0 ? -1 : 1) * (side - abs(u)), z);
+}
+
+// 2^-16 repeats of the chart's image.
+ivec2 mesh_texcoord(uvec2 mesh, uint chart_entry, uint vertex) {
+    uint q = layer_word(mesh, layer_word(mesh, MESH_WORD_TEXCOORDS) + vertex);
+    uint shifts = layer_word(mesh, chart_entry + MESH_CHART_SHIFTS);
+    return ivec2(layer_word(mesh, chart_entry + MESH_CHART_BASE_U) + ((q & 0xffffu) << (shifts & 255u)),
+                 layer_word(mesh, chart_entry + MESH_CHART_BASE_V) + ((q >> 16) << (shifts >> 8)));
+}
+
+#endif

@@ -1,0 +1,18 @@
+#version 460
+// Twin of AtlasLayerView::texel: decodes one mip of a chart, one word a texel.
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+
+#include "shaders/atlas_sample.glsl"
+#include "shaders/twin_records.glsl"
+
+void main() {
+    uint i = gl_GlobalInvocationID.x;
+    if (i >= constants.count) return;
+    uvec2 atlas = layer_reference(constants.layer);
+    AtlasChart chart = atlas_chart(atlas, constants.first);
+    int width = chart_mip_size(chart, constants.second).x;
+    ivec3 texel = chart_texel(atlas, chart, constants.second, ivec2(int(i) % width, int(i) / width));
+    twin_output().word[i] = uint(texel.r) | uint(texel.g) << 8 | uint(texel.b) << 16;
+}

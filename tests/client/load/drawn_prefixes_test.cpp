@@ -1,0 +1,88 @@
+#include "client/load/drawn_prefixes.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/client/load/tiny_city.h"
+
+namespace citystream::client {
+namespace {
+
+using test::kStepBytes;
+using tiles::tileset::Layer;
+using tiles::tileset::TileAddress;
+using tiles::tileset::TileRecord;
+
+class DrawnPrefixesTest : public testing::Test {
+  protected:
+    void SetUp() override {
+        for (const auto& path : {std::string("tileset.json"), tiles::tileset::subtree_path({})}) index_.learn(path, city_.entries().at(path));
+    }
+    /// A draw of the first steps of a tile, its words in the store.
+    TileDraw draw_of(const TileRecord& record, size_t mesh_steps, bool atlas) {
+        const GridPoint origin = city_.manifest().tile_origin(record);
+        TileDraw draw;
+        draw.origin = {to_metres(origin.x), to_metres(origin.y), to_metres(origin.z)};
+        draw.mesh = store_.create();
+        for (size_t i = 0; i < mesh_steps; ++i) draw.mesh_step_words.push_back(record.steps(Layer::kMesh)[i].decoded_bytes / 4);
+        if (!atlas) return draw;
+        draw.atlas = store_.create();
+        EXPECT_TRUE(store_.append(draw.atlas, std::vector<uint32_t>(record.steps(Layer::kAtlas)[0].decoded_bytes / 4)).ok());
+        return draw;
+    }
+    void note(const std::vector<TileDraw>& draws) {
+        appeared_.clear();
+        drawn_.note(draws, [&](TileAddress tile, bool appeared) {
+            if (appeared) appeared_.push_back(tile);
+        });
+    }
+
+    test::TinyCity city_;
+    CityIndex index_;
+    HostLayerStore store_{1 << 20, 1 << 10, false};
+    DrawnPrefixes drawn_{index_, store_};
+    std::vector<TileAddress> appeared_;
+};
+
+TEST_F(DrawnPrefixesTest, EachPrefixCountsOnceAtItsLongest) {
+    const TileRecord& child = city_.subtree().tiles[2];
+    TileDraw draw = draw_of(child, 1, false);
+    note({draw});
+    EXPECT_EQ(drawn_.bytes(), kStepBytes);
+    EXPECT_EQ(appeared_, std::vector{child.address});
+    note({draw});
+    EXPECT_EQ(drawn_.bytes(), kStepBytes);
+    EXPECT_TRUE(appeared_.empty());
+    draw.mesh_step_words.push_back(child.steps(Layer::kMesh)[1].decoded_bytes / 4);
+    note({draw});
+    EXPECT_EQ(drawn_.bytes(), 2 * kStepBytes);
+    note({draw_of(child, 1, true)});  // evicted and fetched again: the mesh was counted before
+    EXPECT_EQ(drawn_.bytes(), 3 * kStepBytes);
+    EXPECT_EQ(appeared_, std::vector{child.address});
+}
+
+TEST_F(DrawnPrefixesTest, TilesAtOneCornerAreToldApart) {
+    // The root and its first child begin at the same point.
+    const TileRecord &root = city_.subtree().tiles[0], &child = city_.subtree().tiles[1];
+    ASSERT_EQ(city_.manifest().tile_origin(root), city_.manifest().tile_origin(child));
+    EXPECT_EQ(index_.find(draw_of(root, 1, false))->address, root.address);
+    EXPECT_EQ(index_.find(draw_of(child, 1, false))->address, child.address);
+}
+
+TEST_F(DrawnPrefixesTest, UnknownTilesAreLeftOut) {
+    TileDraw draw = draw_of(city_.subtree().tiles[0], 1, false);
+    draw.origin[0] += 1;
+    note({draw});
+    EXPECT_EQ(drawn_.bytes(), 0u);
+    EXPECT_TRUE(appeared_.empty());
+}
+
+TEST(AddressInPath, ReadsOnlyWholeAddresses) {
+    EXPECT_EQ(address_in_path("tiles/3/1/2.mesh", "tiles"), (TileAddress{3, 1, 2}));
+    EXPECT_EQ(address_in_path("subtrees/0/0/0.subtree", "subtrees"), (TileAddress{0, 0, 0}));
+    for (const char* other : {"tiles/3/1.mesh", "tiles/3/1/2", "tiles/a/1/2.mesh", "tileset.json", "facades/maps", "tiles", "tiles/3/1/99999999999.mesh"}) {
+        EXPECT_FALSE(address_in_path(other, "tiles")) << other;
+    }
+}
+
+}  // namespace
+}  // namespace citystream::client

@@ -1,0 +1,198 @@
+// A small city in memory with every entry of an archive: a full quadtree whose tiles have mesh, atlas and (leaves) facades.
+#pragma once
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "client/select/camera.h"
+#include "codec/atlas/atlas_layer.h"
+#include "codec/bits/zstd_frame.h"
+#include "codec/facade/facade_layer.h"
+#include "codec/facade/facade_map.h"
+#include "codec/mesh/mesh_layer.h"
+#include "tiles/tileset/directory.h"
+#include "tiles/tileset/facade_index.h"
+#include "tiles/tileset/subtree.h"
+#include "tiles/tileset/tileset_json.h"
+
+namespace citystream::client::test {
+
+using tiles::tileset::Layer;
+using tiles::tileset::Manifest;
+using tiles::tileset::StepRecord;
+using tiles::tileset::TileAddress;
+using tiles::tileset::TileRecord;
+
+struct SyntheticOptions {
+    uint32_t levels = 4;
+    uint32_t subtree_levels = 2;
+    double origin_x = 1000 * 128, origin_y = 2000 * 128;
+    uint32_t chart_size = 64;
+    bool facades = true;
+};
+
+class SyntheticCity {
+  public:
+    explicit SyntheticCity(const SyntheticOptions& options = {}) : options_(options) {
+        manifest.title = "synthetic";
+        manifest.origin = {to_grid(options.origin_x), to_grid(options.origin_y), 0};
+        manifest.root_side_log2 = 10;
+        manifest.levels = options.levels;
+        manifest.subtree_levels = options.subtree_levels;
+        manifest.extent.max = {1024, 1024, 40};
+        manifest.root_geometric_error = 100;
+        manifest.has_layer = {true, options.facades, true, false};
+        if (options.facades) write_maps();
+        write_subtrees({});
+        manifest.tiles = tiles.size();
+        const std::string json = write_tileset_json(manifest);
+        put("tileset.json", std::as_bytes(std::span(json)));
+    }
+
+    /// A camera over the city, metres from its minimum corner.
+    Camera camera(double x, double y, double z, double yaw, double pitch, double fov = 60) const {
+        CameraSample sample{0, options_.origin_x + x, options_.origin_y + y, z, yaw, pitch, fov};
+        return Camera::from_sample(sample, 640, 480);
+    }
+    const TileRecord& tile(TileAddress address) const { return tiles.at(address); }
+    std::array<double, 2> origin() const { return {options_.origin_x, options_.origin_y}; }
+
+    Manifest manifest;
+    std::map<std::string, std::vector<std::byte>> entries;
+    std::map<TileAddress, TileRecord> tiles;
+    std::vector<tiles::tileset::FacadeMapRecord> maps;
+    std::map<TileAddress, std::vector<uint32_t>> maps_of_tile;
+
+  private:
+    void put(const std::string& path, std::span<const std::byte> bytes) { entries[path].assign(bytes.begin(), bytes.end()); }
+
+    std::vector<std::byte> frame_of(std::span<const uint32_t> words) {
+        return codec::bits::compress_frame(std::as_bytes(words), 3);
+    }
+
+    void write_layer(TileRecord& record, Layer layer, const LayerSteps& steps) {
+        std::vector<std::byte> entry;
+        for (const LayerStep& step : steps) {
+            const std::vector<std::byte> frame = frame_of(step.words);
+            entry.insert(entry.end(), frame.begin(), frame.end());
+            record.steps(layer).push_back({entry.size(), static_cast<uint32_t>(4 * step.words.size()), step.error,
+                                           tiles::tileset::checksum_of(frame.data(), frame.size())});
+        }
+        const auto index = static_cast<size_t>(layer);
+        manifest.wire_bytes[index] += entry.size();
+        put(layer_path(layer, record.address), entry);
+    }
+
+    void write_maps() {
+        std::vector<std::byte> entry;
+        for (uint32_t i = 0; i < 24; ++i) {
+            codec::facade::FacadeImage image;
+            image.width = 40 + i;
+            image.height = 30;
+            image.displacement_mm.assign(size_t{image.width} * image.height, 0);
+            image.material.assign(size_t{image.width} * image.height, 0);
+            for (uint32_t y = 10; y < 20; ++y) {
+                for (uint32_t x = 5; x < 5 + i; ++x) image.displacement_mm[y * image.width + x] = -150;
+            }
+            const auto words = codec::facade::encode_facade_map(image);
+            const std::vector<std::byte> frame = frame_of(*words);
+            entry.insert(entry.end(), frame.begin(), frame.end());
+            maps.push_back({entry.size(), static_cast<uint32_t>(4 * words->size()),
+                            tiles::tileset::checksum_of(frame.data(), frame.size()), -150, 0});
+        }
+        put(tiles::tileset::kFacadeMapsPath, entry);
+        put(tiles::tileset::kFacadeIndexPath, write_facade_index(maps, manifest));
+    }
+
+    void write_mesh(TileRecord& record, int32_t side) {
+        codec::mesh::MeshTile mesh;
+        constexpr int32_t kCells = 8;
+        for (int32_t y = 0; y <= kCells; ++y) {
+            for (int32_t x = 0; x <= kCells; ++x) {
+                const int32_t wobble = (x * 7919 + y * 104729 + static_cast<int32_t>(record.address.x) * 31) % 9973;
+                mesh.vertices.push_back({{x * side / kCells, y * side / kCells, wobble}, {0, 0, 1}, {x << 16, y << 16}});
+            }
+        }
+        for (uint32_t y = 0; y < kCells; ++y) {
+            for (uint32_t x = 0; x < kCells; ++x) {
+                const uint32_t a = y * (kCells + 1) + x, b = a + 1, c = a + kCells + 1, d = c + 1;
+                mesh.indices.insert(mesh.indices.end(), {a, b, d, a, d, c});
+                mesh.triangle_chart.insert(mesh.triangle_chart.end(), {x % 2, x % 2});
+            }
+        }
+        mesh.dressed_begin = static_cast<uint32_t>(mesh.triangle_chart.size()) - 4;
+        write_layer(record, Layer::kMesh, codec::mesh::encode_mesh(mesh, record.geometric_error));
+    }
+
+    void write_atlas(TileRecord& record, double side_metres) {
+        std::vector<codec::atlas::ChartImage> charts(2);
+        for (uint32_t c = 0; c < 2; ++c) {
+            codec::atlas::ChartImage& chart = charts[c];
+            chart.width = chart.height = options_.chart_size;
+            chart.metres_per_texel = static_cast<float>(side_metres / 8 / options_.chart_size);
+            uint32_t state = record.address.x * 1000 + record.address.y + c;
+            for (uint32_t i = 0; i < 3 * chart.width * chart.height; ++i) {
+                state = state * 1664525u + 1013904223u;
+                chart.rgb.push_back(static_cast<uint8_t>(state >> 24));
+            }
+        }
+        write_layer(record, Layer::kAtlas, codec::atlas::encode_atlas(charts));
+    }
+
+    void write_facades(TileRecord& record, int32_t side) {
+        codec::facade::FacadeTile facades;
+        facades.palettes.resize(1);
+        for (auto& slot : facades.palettes[0].slots) slot = {0, 1.0f};
+        std::vector<uint32_t>& used = maps_of_tile[record.address];
+        for (uint32_t i = 0; i < 3; ++i) {
+            const uint32_t map = (record.address.x * 5 + record.address.y * 3 + i) % static_cast<uint32_t>(maps.size());
+            facades.placements.push_back({{0, static_cast<int32_t>(i) * 4096, 0}, {side / 4, 0}, 8192, map, 0});
+            used.push_back(map);
+        }
+        std::sort(used.begin(), used.end());
+        used.erase(std::unique(used.begin(), used.end()), used.end());
+        record.flat_facade_error = 0.15f;
+        record.facade_maps = static_cast<uint32_t>(used.size());
+        write_layer(record, Layer::kFacade, codec::facade::encode_facades(facades));
+    }
+
+    TileRecord make_tile(TileAddress address) {
+        TileRecord record;
+        record.address = address;
+        const double side = manifest.side_metres(address.level);
+        record.bounds.min = {address.x * side, address.y * side, 0};
+        record.bounds.max = {(address.x + 1) * side, (address.y + 1) * side, 20};
+        record.geometric_error = 0.05f;
+        for (uint32_t level = address.level; level + 1 < options_.levels; ++level) record.geometric_error *= 5;
+        const auto grid_side = static_cast<int32_t>(to_grid(side));
+        write_mesh(record, grid_side);
+        write_atlas(record, side);
+        if (options_.facades && address.level + 1 == options_.levels) write_facades(record, grid_side);
+        return record;
+    }
+
+    void write_subtrees(TileAddress root) {
+        tiles::tileset::Subtree subtree;
+        subtree.root = root;
+        const uint32_t end = std::min(root.level + options_.subtree_levels, options_.levels);
+        std::vector<TileAddress> level = {root};
+        for (uint32_t l = root.level; l < end; ++l) {
+            std::vector<TileAddress> next;
+            for (const TileAddress& address : level) {
+                subtree.tiles.push_back(make_tile(address));
+                tiles.emplace(address, subtree.tiles.back());
+                for (uint32_t i = 0; i < 4; ++i) next.push_back(address.child(i));
+            }
+            level = std::move(next);
+        }
+        if (end < options_.levels) subtree.child_subtrees = level;
+        put(subtree_path(root), write_subtree(subtree, manifest));
+        for (const TileAddress& child : subtree.child_subtrees) write_subtrees(child);
+    }
+
+    SyntheticOptions options_;
+};
+
+}  // namespace citystream::client::test

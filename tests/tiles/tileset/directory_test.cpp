@@ -1,0 +1,315 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <limits>
+
+#include "tests/tiles/tileset/synthetic_city.h"
+#include "tiles/tileset/subtree_order.h"
+#include "tiles/tileset/tile_schema.h"
+
+namespace citystream::tiles::tileset {
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+    return std::as_bytes(std::span(text));
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+// Replaces text of the same length in a file.
+Bytes replaced(const Bytes& bytes, const std::string& from, const std::string& to) {
+    EXPECT_EQ(from.size(), to.size());
+    std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    text = replaced(std::move(text), from, to);
+    const auto other = bytes_of(text);
+    return {other.begin(), other.end()};
+}
+
+SyntheticCity small_city() {
+    return make_synthetic_city(7, 3, 2);
+}
+
+TEST(TilesetJson, ManifestsComeBackExactly) {
+    for (uint32_t seed = 0; seed < 20; ++seed) {
+        Manifest manifest = make_synthetic_city(seed, 1 + seed % 5, 1 + seed % 4).manifest;
+        manifest.root_geometric_error = 0.1 + seed / 3.0;
+        manifest.extent.min[0] = -0.1 * seed;
+        manifest.triangles = (uint64_t{1} << 53) + seed;
+        manifest.facade_index_checksum = 0x0123456789abcdef * (seed + 1);
+        manifest.has_layer[3] = seed % 2 == 1;
+        const auto parsed = parse_tileset_json(bytes_of(write_tileset_json(manifest)));
+        ASSERT_TRUE(parsed.ok()) << parsed.error().text();
+        EXPECT_EQ(*parsed, manifest);
+    }
+}
+
+TEST(TilesetJson, EveryTruncationIsRefused) {
+    const std::string json = write_tileset_json(small_city().manifest);
+    for (size_t size = 0; size + 2 < json.size(); ++size) {
+        EXPECT_FALSE(parse_tileset_json(bytes_of(json.substr(0, size))).ok()) << size;
+    }
+}
+
+TEST(TilesetJson, MutationsNeverCrash) {
+    std::string json = write_tileset_json(small_city().manifest);
+    size_t tried = 0;
+    size_t accepted = 0;
+    for (size_t i = json.find("\"root\""); i < json.size(); ++i) {
+        const char kept = json[i];
+        if (kept == ' ') continue;
+        for (const char c : {'9', '"', '{', static_cast<char>(kept ^ 1)}) {
+            json[i] = c;
+            ++tried;
+            accepted += parse_tileset_json(bytes_of(json)).ok() ? 1 : 0;
+        }
+        json[i] = kept;
+    }
+    EXPECT_LT(accepted, tried / 2);
+}
+
+TEST(TilesetJson, WrongFieldsAreNamed) {
+    const std::string json = write_tileset_json(small_city().manifest);
+    const std::vector<std::array<std::string, 3>> kCases = {
+        {"\"version\": \"1.1\"", "\"version\": \"1.0\"", "asset.version"},
+        {"\"REPLACE\"", "\"ADD\"", "refine"},
+        {"\"QUADTREE\"", "\"OCTREE\"", "subdivisionScheme"},
+        {"\"availableLevels\": 3", "\"availableLevels\": 25", "availableLevels"},
+        {"\"availableLevels\": 3", "\"availableLevels\": 0", "availableLevels"},
+        {"\"subtreeLevels\": 2", "\"subtreeLevels\": 9", "subtreeLevels"},
+        {"\"subtreeLevels\": 2", "\"subtreeLevels\": 2.5", "subtreeLevels"},
+        {"subtrees/{level}", "subtrees/{z}", "subtrees.uri"},
+        {"\"gridBits\": 10", "\"gridBits\": 11", "gridBits"},
+        {"\"rootSideLog2\": 10", "\"rootSideLog2\": 11", "boundingVolume.box"},
+        {"\"rootSideLog2\": 10", "\"rootSideLog2\": 99", "rootSideLog2"},
+        {"\"x\": 694157312", "\"x\": 694157313", "origin.x"},
+        {"\"x\": 694157312", "\"x\": \"694157312m\"", "origin.x"},
+        {"0.125", "1e999", "not valid JSON"},
+        {"0.125", "2000.0", "extent.min"},
+        {"\"epsg\": 25832", "\"epsg\": -1", "epsg"},
+        {"CITYSTREAM_layers\": {", "OTHER_layers\": {", "CITYSTREAM_layers"},
+        {"\"version\": 1,", "\"version\": 2,", "CITYSTREAM_layers.version"},
+        {"\"indexChecksum\": \"", "\"indexChecksum\": \"x", "indexChecksum"},
+        {"tiles/{level}/{x}/{y}.atlas", "../{level}/{x}/{y}.atlas", "atlas.uri"},
+        {"\"mapsUri\": \"facades/maps\"", "\"mapsUri\": \"http://a/b\"", "mapsUri"},
+        {"\"wireBytes\": ", "\"wireBytes\": -", "wireBytes"},
+    };
+    for (const auto& [from, to, named] : kCases) {
+        const auto parsed = parse_tileset_json(bytes_of(replaced(json, from, to)));
+        ASSERT_FALSE(parsed.ok()) << from << " -> " << to;
+        EXPECT_NE(parsed.error().message.find(named), std::string::npos) << parsed.error().message;
+    }
+    EXPECT_FALSE(parse_tileset_json(bytes_of("[]")).ok());
+    EXPECT_FALSE(parse_tileset_json(bytes_of(std::string(100'000, '['))).ok());
+}
+
+TEST(Subtree, RandomSubtreesComeBackExactly) {
+    for (uint32_t seed = 0; seed < 30; ++seed) {
+        const SyntheticCity city = make_synthetic_city(seed, 1 + seed % 6, 1 + seed % 4);
+        for (const Subtree& subtree : city.subtrees) {
+            const auto parsed = parse_subtree(write_subtree(subtree, city.manifest), subtree.root, city.manifest);
+            ASSERT_TRUE(parsed.ok()) << parsed.error().text();
+            EXPECT_EQ(*parsed, subtree);
+        }
+    }
+}
+
+TEST(Subtree, FullSubtreesOfEightLevelsComeBack) {
+    Manifest manifest;
+    manifest.levels = 9;
+    manifest.subtree_levels = 8;
+    manifest.root_side_log2 = 12;
+    Subtree subtree;
+    for (uint32_t depth = 0; depth < 8; ++depth) {
+        for (uint32_t morton = 0; morton < (1U << (2 * depth)); ++morton) {
+            subtree.tiles.emplace_back().address = tile_at({0, 0, 0}, depth, morton);
+        }
+    }
+    for (uint32_t morton = 0; morton < (1U << 16); ++morton)
+        subtree.child_subtrees.push_back(tile_at({0, 0, 0}, 8, morton));
+    const Bytes bytes = write_subtree(subtree, manifest);
+    const auto parsed = parse_subtree(bytes, {0, 0, 0}, manifest);
+    ASSERT_TRUE(parsed.ok()) << parsed.error().text();
+    EXPECT_EQ(*parsed, subtree);
+    const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    EXPECT_NE(text.find("\"tileAvailability\":{\"constant\":1}"), std::string::npos);
+}
+
+TEST(Subtree, TilesFollowTheMortonCurve) {
+    EXPECT_EQ(morton_code(0b11, 0b00), 0b0101U);
+    EXPECT_EQ(morton_code(0b1010, 0b0011), 0b01001110U);
+    EXPECT_EQ(morton_code(0b0110, 0b0101), 0b00110110U);
+    for (uint32_t i = 0; i < 64; ++i) EXPECT_EQ(local_morton({2, 1, 3}, tile_at({2, 1, 3}, 3, i)), i);
+    for (uint32_t i = 0; i < 4; ++i) EXPECT_EQ(tile_at({5, 9, 17}, 1, i), (TileAddress{5, 9, 17}.child(i)));
+}
+
+TEST(Subtree, TheOrderInWhichTilesAreGivenDoesNotMatter) {
+    const SyntheticCity city = small_city();
+    Subtree shuffled = city.subtrees[0];
+    std::reverse(shuffled.tiles.begin(), shuffled.tiles.end());
+    std::reverse(shuffled.child_subtrees.begin(), shuffled.child_subtrees.end());
+    EXPECT_EQ(write_subtree(shuffled, city.manifest), write_subtree(city.subtrees[0], city.manifest));
+}
+
+TEST(Subtree, BoundsOffTheGridGrowToIt) {
+    SyntheticCity city = small_city();
+    TileRecord& record = city.subtrees[0].tiles[0];
+    record.bounds = {{0.1, 0.2, 0.3}, {10.1, 20.2, 30.3}};
+    const auto parsed = parse_subtree(write_subtree(city.subtrees[0], city.manifest), {0, 0, 0}, city.manifest);
+    ASSERT_TRUE(parsed.ok());
+    for (size_t axis = 0; axis < 3; ++axis) {
+        const Bounds& bounds = parsed->tiles[0].bounds;
+        EXPECT_LE(bounds.min[axis], record.bounds.min[axis]);
+        EXPECT_GE(bounds.max[axis], record.bounds.max[axis]);
+        EXPECT_LT(record.bounds.min[axis] - bounds.min[axis], kMetresPerGridUnit);
+        EXPECT_LT(bounds.max[axis] - record.bounds.max[axis], kMetresPerGridUnit);
+    }
+}
+
+TEST(Subtree, EveryTruncationIsRefused) {
+    const SyntheticCity city = small_city();
+    const Bytes bytes = write_subtree(city.subtrees[0], city.manifest);
+    for (size_t size = 0; size < bytes.size(); ++size) {
+        const Bytes cut(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(size));
+        EXPECT_FALSE(parse_subtree(cut, {0, 0, 0}, city.manifest).ok()) << size;
+    }
+    Bytes longer = bytes;
+    longer.resize(bytes.size() + 8);
+    EXPECT_FALSE(parse_subtree(longer, {0, 0, 0}, city.manifest).ok());
+}
+
+TEST(Subtree, MutationsNeverCrashAndWhatIsAcceptedKeepsTheRules) {
+    const SyntheticCity city = make_synthetic_city(3, 2, 2);
+    Bytes bytes = write_subtree(city.subtrees[0], city.manifest);
+    for (size_t i = 0; i < bytes.size(); ++i) {
+        const std::byte kept = bytes[i];
+        for (const unsigned mask : {1U, 0x80U}) {
+            bytes[i] = kept ^ static_cast<std::byte>(mask);
+            const auto parsed = parse_subtree(bytes, {0, 0, 0}, city.manifest);
+            if (!parsed) continue;
+            for (const TileRecord& record : parsed->tiles) {
+                EXPECT_LT(record.address.level, city.manifest.levels);
+                for (const auto& steps : record.layers) EXPECT_FALSE(step_table_defect(steps)) << "byte " << i;
+            }
+        }
+        bytes[i] = kept;
+    }
+}
+
+TEST(Subtree, WrongRootsAreRefused) {
+    const SyntheticCity city = small_city();
+    const Bytes bytes = write_subtree(city.subtrees[0], city.manifest);
+    for (const TileAddress root : {TileAddress{1, 0, 0}, {2, 4, 0}, {2, 0, 4}, {4, 0, 0}, {40, 0, 0}}) {
+        EXPECT_FALSE(parse_subtree(bytes, root, city.manifest).ok()) << subtree_path(root);
+    }
+    // The root's subtree goes one level further down than what lies below level 2 may.
+    const auto other = parse_subtree(bytes, {2, 0, 0}, city.manifest);
+    ASSERT_FALSE(other.ok());
+    EXPECT_NE(other.error().message.find("subtrees/2/0/0.subtree: tile 3/"), std::string::npos)
+        << other.error().message;
+}
+
+TEST(Subtree, HostileJsonIsRefusedWithAReason) {
+    const SyntheticCity city = small_city();
+    const Bytes bytes = write_subtree(city.subtrees[0], city.manifest);
+    const std::vector<std::array<std::string, 3>> kCases = {
+        {"subt", "subs", "subt"},
+        {"\"buffers\"", "\"bufferz\"", "buffers is missing"},
+        {"\"buffer\":0", "\"buffer\":1", "bufferViews.0.buffer"},
+        {"\"byteOffset\":8", "\"byteOffset\":7", "byteOffset"},
+        {"\"class\":\"tile\"", "\"class\":\"tree\"", "class"},
+        {"\"count\":", "\"count\" ", "JSON"},
+        {"\"boundingBox\"", "\"boundingBax\"", "boundingBox is missing"},
+        {"\"tileMetadata\":0", "\"tileMetadata\":1", "tileMetadata"},
+        {"\"UINT32\"", "\"UINT16\"", "arrayOffsets"},
+        {"\"UINT32\"", "\"STRING\"", "arrayOffsetType"},
+        {"\"meshErrors\"", "\"meshErrorz\"", "meshErrors is missing"},
+        {"\"boundingBox\":{\"values\":2}", "\"boundingBox\":{\"values\":0}", "values"},
+        {"\"bitstream\":0", "\"bitstream\":9", "bitstream"},
+    };
+    for (const auto& [from, to, named] : kCases) {
+        const auto parsed = parse_subtree(replaced(bytes, from, to), {0, 0, 0}, city.manifest);
+        ASSERT_FALSE(parsed.ok()) << from << " -> " << to;
+        EXPECT_NE(parsed.error().message.find(named), std::string::npos) << from << ": " << parsed.error().message;
+    }
+    Bytes huge = bytes;
+    std::memset(huge.data() + 8, 0xF8, 8);
+    EXPECT_FALSE(parse_subtree(huge, {0, 0, 0}, city.manifest).ok());
+}
+
+TEST(StepTable, RulesAreChecked) {
+    const std::vector<StepRecord> good = {{10, 8, 2.0F, 1}, {30, 0, 2.0F, 2}, {31, 400, 0.0F, 3}};
+    EXPECT_FALSE(step_table_defect(good));
+    EXPECT_FALSE(step_table_defect({}));
+    const auto with = [&](auto change) {
+        std::vector<StepRecord> steps = good;
+        change(steps);
+        return step_table_defect(steps).has_value();
+    };
+    EXPECT_TRUE(with([](auto& steps) { steps[0].end = 0; }));
+    EXPECT_TRUE(with([](auto& steps) { steps[1].end = 10; }));
+    EXPECT_TRUE(with([](auto& steps) { steps[2].end = uint64_t{1} << 32; }));
+    EXPECT_TRUE(with([](auto& steps) { steps[1].decoded_bytes = 6; }));
+    EXPECT_TRUE(with([](auto& steps) { steps[1].decoded_bytes = 1U << 30; }));
+    EXPECT_TRUE(with([](auto& steps) { steps[1].error = 2.5F; }));
+    EXPECT_TRUE(with([](auto& steps) { steps[2].error = -1; }));
+    EXPECT_TRUE(with([](auto& steps) { steps[0].error = std::numeric_limits<float>::quiet_NaN(); }));
+    EXPECT_TRUE(with([](auto& steps) { steps[0].error = std::numeric_limits<float>::infinity(); }));
+    EXPECT_TRUE(with([](auto& steps) {
+        while (steps.size() < 17) steps.push_back({steps.back().end + 1, 0, 0, 0});
+    }));
+}
+
+TEST(FacadeIndex, ComesBackAndItsDamageIsFound) {
+    const SyntheticCity city = small_city();
+    Bytes frame = city.entries.at(kFacadeIndexPath);
+    const auto maps = parse_facade_index(frame, city.manifest);
+    ASSERT_TRUE(maps.ok()) << maps.error().text();
+    ASSERT_EQ(maps->size(), 3U);
+    EXPECT_EQ(maps->back().end, city.entries.at(kFacadeMapsPath).size());
+    EXPECT_EQ((*maps)[1].depth_min_mm, -100);
+    for (size_t i = 0; i < frame.size(); ++i) {
+        frame[i] ^= std::byte{1};
+        EXPECT_FALSE(parse_facade_index(frame, city.manifest).ok()) << i;
+        frame[i] ^= std::byte{1};
+        EXPECT_FALSE(parse_facade_index(std::span(frame).first(i), city.manifest).ok()) << i;
+    }
+    Manifest hostile = city.manifest;
+    hostile.facade_map_count = uint64_t{1} << 40;
+    hostile.facade_index_decoded_bytes = hostile.facade_map_count * 24;
+    EXPECT_FALSE(parse_facade_index(frame, hostile).ok());
+    Manifest none;
+    EXPECT_TRUE(parse_facade_index(write_facade_index({}, none), none).ok());
+}
+
+TEST(FacadeIndex, RecordsOutOfOrderAreRefused) {
+    Manifest manifest;
+    const std::vector<FacadeMapRecord> falling = {{20, 4, 1, 0, 0}, {20, 4, 2, 0, 0}};
+    EXPECT_FALSE(parse_facade_index(write_facade_index(falling, manifest), manifest).ok());
+    const std::vector<FacadeMapRecord> turned = {{20, 4, 1, 5, 4}};
+    EXPECT_FALSE(parse_facade_index(write_facade_index(turned, manifest), manifest).ok());
+    const std::vector<FacadeMapRecord> odd = {{20, 5, 1, 0, 0}};
+    EXPECT_FALSE(parse_facade_index(write_facade_index(odd, manifest), manifest).ok());
+}
+
+TEST(Directory, PathsAndOriginsFollowTheAddress) {
+    EXPECT_EQ(layer_path(Layer::kMesh, {3, 1, 2}), "tiles/3/1/2.mesh");
+    EXPECT_EQ(layer_path(Layer::kRadiance, {0, 0, 0}), "tiles/0/0/0.radiance");
+    EXPECT_EQ(subtree_path({4, 15, 0}), "subtrees/4/15/0.subtree");
+    Manifest manifest;
+    manifest.origin = {to_grid(1280), to_grid(-2560), 0};
+    manifest.root_side_log2 = 9;
+    TileRecord record;
+    record.address = {2, 3, 1};
+    record.base_height = 77;
+    EXPECT_EQ(manifest.tile_origin(record), (GridPoint{to_grid(1280 + 3 * 128), to_grid(-2560 + 128), 77}));
+    EXPECT_EQ(checksum_of("", 0), 0x2d06800538d394c2U);
+}
+
+}  // namespace
+}  // namespace citystream::tiles::tileset

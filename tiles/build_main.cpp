@@ -1,0 +1,276 @@
+// citystream-build: a city model to one archive; see README.md for its calls.
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <unistd.h>
+
+#include "tiles/city/city_input.h"
+#include "tiles/city/generator.h"
+#include "tiles/layers/build_city.h"
+#include "tiles/layers/inspect_city.h"
+
+namespace {
+
+using namespace citystream;
+using namespace citystream::tiles;
+
+constexpr int kFailed = 1, kWrongUsage = 2;
+constexpr size_t kDefectsShown = 20;
+
+std::atomic<bool> interrupted = false;
+
+extern "C" void on_signal(int /*signal*/) { interrupted = true; }
+
+struct Arguments {
+    std::vector<std::string> inputs;
+    std::string output, reference, report, lod, ground = "auto", memory = "2GiB", layers = "mesh,facade,atlas", archive;
+    uint32_t jobs = 0;
+    city::GeneratorOptions generator;
+    std::string origin = "0,0";
+    bool json = false;
+};
+
+int fail(const std::string& what) {
+    fmt::print(stderr, "citystream-build: {}\n", what);
+    return kFailed;
+}
+
+/// "2GiB", "512MiB", "1000000" to bytes.
+std::optional<uint64_t> parse_bytes(const std::string& text) {
+    size_t used = 0;
+    double value = 0;
+    try {
+        value = std::stod(text, &used);
+    } catch (const std::exception&) {
+        return std::nullopt;
+    }
+    const std::string unit = text.substr(used);
+    double scale = 0;
+    if (unit.empty() || unit == "B") scale = 1;
+    if (unit == "KiB" || unit == "K") scale = 1024.0;
+    if (unit == "MiB" || unit == "M") scale = 1024.0 * 1024;
+    if (unit == "GiB" || unit == "G") scale = 1024.0 * 1024 * 1024;
+    if (scale == 0 || !(value > 0) || value * scale > 1e18) return std::nullopt;
+    return static_cast<uint64_t>(value * scale);
+}
+
+std::optional<std::array<bool, tileset::kLayerCount>> parse_layers(const std::string& text) {
+    std::array<bool, tileset::kLayerCount> layers{};
+    std::istringstream list(text);
+    for (std::string name; std::getline(list, name, ',');) {
+        const auto found = std::find(tileset::kLayerNames.begin(), tileset::kLayerNames.end(), name);
+        if (found == tileset::kLayerNames.end()) return std::nullopt;
+        layers[static_cast<size_t>(found - tileset::kLayerNames.begin())] = true;
+    }
+    return layers[0] ? std::optional(layers) : std::nullopt;
+}
+
+std::optional<city::Vec2> parse_origin(const std::string& text) {
+    city::Vec2 origin;
+    char comma = 0, rest = 0;
+    std::istringstream in(text);
+    if (!(in >> origin.x >> comma >> origin.y) || comma != ',' || in >> rest) return std::nullopt;
+    return origin;
+}
+
+/// Draws one line on a terminal, nothing elsewhere.
+class ProgressBar {
+  public:
+    void show(std::string_view stage, uint64_t done, uint64_t total) {
+        const uint64_t percent = total == 0 ? 0 : 100 * done / total;
+        if (!terminal_ || (stage == stage_ && percent == percent_)) return;
+        stage_ = stage;
+        percent_ = percent;
+        const std::string bar(percent * 40 / 100, '#');
+        fmt::print(stderr, "\r{:<8} [{:<40}] {:3}%", stage, bar, percent);
+        shown_ = true;
+    }
+    void clear() {
+        if (shown_) fmt::print(stderr, "\r{:60}\r", "");
+        shown_ = false;
+    }
+
+  private:
+    bool terminal_ = isatty(STDERR_FILENO) != 0, shown_ = false;
+    std::string stage_;
+    uint64_t percent_ = 101;
+};
+
+nlohmann::json report_json(const city::CityReport& report) {
+    nlohmann::json defects = nlohmann::json::array();
+    for (const city::Defect& defect : report.defects) {
+        defects.push_back({{"feature", defect.feature}, {"what", defect.what}, {"where", defect.where}, {"dropped", defect.dropped_feature}});
+    }
+    return {{"features_read", report.features_read}, {"objects", report.objects_emitted}, {"buildings", report.buildings_emitted},
+            {"triangles", report.triangles_emitted}, {"defect_count", report.defect_count}, {"defects", std::move(defects)},
+            {"dropped_features", report.dropped_features}};
+}
+
+bool write_report(const std::string& path, const city::CityReport& report) {
+    std::ofstream file(path);
+    // Ids come from the input and need not be valid UTF-8.
+    file << report_json(report).dump(1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+    return static_cast<bool>(file.flush());
+}
+
+void print_defects(const city::CityReport& report) {
+    if (report.defect_count == 0) return;
+    for (size_t i = 0; i < std::min(kDefectsShown, report.defects.size()); ++i) {
+        const city::Defect& d = report.defects[i];
+        fmt::print(stderr, "{}: {} ({}){}\n", d.dropped_feature ? "skipped" : "repaired", d.what, d.feature, d.where.empty() ? "" : " at " + d.where);
+    }
+    fmt::print(stderr, "{} defects, {} features skipped{}\n", report.defect_count, report.dropped_features.size(),
+               report.defect_count > kDefectsShown ? " (all of them: --report FILE.json)" : "");
+}
+
+void print_summary(const layers::BuildSummary& summary, const Arguments& arguments) {
+    const tileset::Manifest& m = summary.manifest;
+    if (arguments.json) {
+        nlohmann::json out = layers::manifest_json(m);
+        out["archive_bytes"] = summary.archive_bytes;
+        out["reference_bytes"] = summary.reference_bytes;
+        out["seconds"] = summary.seconds;
+        out["peak_memory_bytes"] = summary.peak_memory_bytes;
+        out["defect_count"] = summary.report.defect_count;
+        out["dropped_features"] = summary.report.dropped_features.size();
+        fmt::print("{}\n", out.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
+        return;
+    }
+    fmt::print("{}: {} buildings, {} triangles, {} facades, {} tiles in {} levels\n", arguments.output, m.buildings, m.triangles, m.facades, m.tiles, m.levels);
+    for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
+        if (!m.has_layer[layer]) continue;
+        fmt::print("  {:<8} {:>12} bytes on the wire, {:>12} decoded\n", tileset::kLayerNames[layer], m.wire_bytes[layer], m.decoded_bytes[layer]);
+    }
+    fmt::print("  archive  {:>12} bytes; {:.1f} s; peak memory {} MiB\n", summary.archive_bytes, summary.seconds, summary.peak_memory_bytes >> 20);
+    if (summary.report.defect_count == 0) fmt::print("  nothing was skipped\n");
+}
+
+int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
+    layers::BuildOptions options;
+    const auto memory = parse_bytes(arguments.memory);
+    const auto layer_set = parse_layers(arguments.layers);
+    const auto origin = parse_origin(arguments.origin);
+    if (!memory || !layer_set || !origin) {
+        fmt::print(stderr, "citystream-build: wrong value of {}\n",
+                   !memory ? "--memory-limit (such as 2GiB)" : !layer_set ? "--layers (mesh, facade, atlas; mesh is needed)" : "--origin (X,Y)");
+        return kWrongUsage;
+    }
+    options.output = arguments.output;
+    options.reference = arguments.reference;
+    options.layers = *layer_set;
+    options.layers[static_cast<size_t>(tileset::Layer::kRadiance)] = false;
+    options.jobs = arguments.jobs;
+    options.memory_limit = *memory;
+    options.auto_ground = arguments.ground == "auto";
+    options.description = fmt::format("layers={}{} ground={}", arguments.layers, arguments.lod.empty() ? "" : " lod=" + arguments.lod, arguments.ground);
+    options.cancel = &interrupted;
+    options.progress = [&bar](std::string_view stage, uint64_t done, uint64_t total) { bar.show(stage, done, total); };
+    const layers::CitySource source = [&](city::CityHeader& header, city::CityCatalog& catalog, city::CityReport& report, const city::CitySink& sink) -> Status {
+        if (generate) {
+            city::GeneratorOptions generator = arguments.generator;
+            generator.origin = *origin;
+            generator.progress = [&bar](uint64_t done, uint64_t total) { bar.show("generate", done, total); };
+            city::generate_city(generator, header, catalog, report, sink);
+            return Done{};
+        }
+        city::InputOptions input;
+        if (!arguments.lod.empty()) input.lod = arguments.lod;
+        input.progress = [&bar](uint64_t done, uint64_t total) { bar.show("read", done, total); };
+        return city::read_city(arguments.inputs, input, header, catalog, report, sink);
+    };
+    city::CityReport report;
+    const auto summary = layers::build_city(options, source, report);
+    bar.clear();
+    if (summary) report = summary->report;
+    print_defects(report);
+    if (!arguments.report.empty() && !write_report(arguments.report, report)) return fail("cannot write report " + arguments.report);
+    if (!summary) return fail(summary.error().text());
+    print_summary(*summary, arguments);
+    return 0;
+}
+
+int info(const Arguments& arguments) {
+    const auto city = layers::read_city_info(arguments.archive);
+    if (!city) return fail(arguments.archive + ": " + city.error().text());
+    if (arguments.json) {
+        fmt::print("{}\n", city->dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
+    } else {
+        for (const auto& [key, value] : city->items()) fmt::print("{:<22} {}\n", key, value.dump());
+    }
+    return 0;
+}
+
+int verify(const Arguments& arguments, ProgressBar& bar) {
+    const auto damages = layers::verify_city(arguments.archive, [&bar](uint64_t done, uint64_t total) { bar.show("verify", done, total); });
+    bar.clear();
+    if (!damages) return fail(arguments.archive + ": " + damages.error().text());
+    if (arguments.json) {
+        fmt::print("{}\n", nlohmann::json{{"ok", damages->empty()}, {"damages", *damages}}.dump(1));
+    } else {
+        for (const std::string& damage : *damages) fmt::print("{}\n", damage);
+        if (damages->empty()) fmt::print("{}: every byte is as it was written\n", arguments.archive);
+    }
+    return damages->empty() ? 0 : fail(fmt::format("{}: {} damages; build it again or fetch it again", arguments.archive, damages->size()));
+}
+
+void add_build_options(CLI::App& app, Arguments& arguments) {
+    app.add_option("-o,--output", arguments.output, "archive to write (.3tz)");
+    app.add_option("--layers", arguments.layers, "layers to build: mesh,facade,atlas")->capture_default_str();
+    app.add_option("--jobs", arguments.jobs, "threads (0: all cores); the bytes do not depend on it")->capture_default_str();
+    app.add_option("--memory-limit", arguments.memory, "working memory, such as 2GiB")->capture_default_str();
+    app.add_option("--reference", arguments.reference, "also write the uncompressed city as glTF (.glb)");
+    app.add_option("--report", arguments.report, "write every defect of the input to this JSON file");
+    app.add_option("--ground", arguments.ground, "auto: a flat ground where the input has none")->check(CLI::IsMember({"auto", "none"}))->capture_default_str();
+    app.add_flag("--json", arguments.json, "print the summary as JSON");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::signal(SIGINT, on_signal);
+    std::signal(SIGTERM, on_signal);
+    Arguments arguments;
+    ProgressBar bar;
+    CLI::App app{"Builds a city model (CityJSON, CityJSONSeq, CityGML) into one archive that citystream-serve can stream."};
+    app.set_version_flag("--version", CITYSTREAM_VERSION);
+    app.footer(
+        "Examples:\n"
+        "  citystream-build city.city.jsonl -o city.3tz\n"
+        "  citystream-build tiles/*.gml -o city.3tz --reference city.glb --report skipped.json\n"
+        "  citystream-build generate --buildings 1000 --seed 1 -o city.3tz\n"
+        "  citystream-build info city.3tz --json\n"
+        "  citystream-build verify city.3tz");
+    app.add_option("INPUT", arguments.inputs, "city models; several make one city");
+    app.add_option("--lod", arguments.lod, "take this level of detail only (2.2, 3); default: the highest of each object");
+    add_build_options(app, arguments);
+    CLI::App* generate = app.add_subcommand("generate", "build a procedural city from a seed");
+    generate->add_option("--buildings", arguments.generator.buildings, "how many")->capture_default_str();
+    generate->add_option("--seed", arguments.generator.seed, "same seed, same city")->capture_default_str();
+    generate->add_option("--origin", arguments.origin, "X,Y: metres added to every position")->capture_default_str();
+    add_build_options(*generate, arguments);
+    CLI::App* show = app.add_subcommand("info", "what an archive holds");
+    show->add_option("ARCHIVE", arguments.archive, "archive (.3tz)")->required();
+    show->add_flag("--json", arguments.json, "as JSON");
+    CLI::App* check = app.add_subcommand("verify", "check every byte of an archive; exit code 1 names each damage");
+    check->add_option("ARCHIVE", arguments.archive, "archive (.3tz)")->required();
+    check->add_flag("--json", arguments.json, "as JSON");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : kWrongUsage;
+    }
+    if (show->parsed()) return info(arguments);
+    if (check->parsed()) return verify(arguments, bar);
+    if (arguments.output.empty() || (!generate->parsed() && arguments.inputs.empty())) {
+        fmt::print(stderr, "citystream-build: {} is missing; see --help\n", arguments.output.empty() ? "-o CITY.3tz" : "INPUT");
+        return kWrongUsage;
+    }
+    return build(arguments, generate->parsed(), bar);
+}

@@ -1,0 +1,45 @@
+// From a building's plan to its geometry, and the dictionary of the facades that were needed so far.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tiles/city/generator_plots.h"
+#include "tiles/city/procedural_materials.h"
+
+namespace citystream::tiles::city::procedural {
+
+/// Derives and encodes each distinct facade once; equal maps of different specs share an index.
+class FacadeDictionary {
+  public:
+    FacadeDictionary(CityCatalog& catalog, uint64_t seed) : catalog_(catalog), seed_(seed) {}
+    /// Index in catalog.facade_maps. Throws std::logic_error if the codec rejects a derived facade (a bug of the
+    /// grammar).
+    uint32_t map_of(const FacadeSpec& spec);
+
+  private:
+    CityCatalog& catalog_;
+    uint64_t seed_;
+    std::map<FacadeSpec, uint32_t> by_spec_;
+    std::map<uint64_t, std::vector<uint32_t>> by_hash_;
+};
+
+class BuildingMaker {
+  public:
+    BuildingMaker(const CityPlan& plan, const MaterialSet& materials, FacadeDictionary& facades,
+                  const CityCatalog& catalog, Vec2 origin)
+        : plan_(plan), materials_(materials), facades_(facades), catalog_(catalog), origin_(origin) {}
+
+    CityObject make(const BuildingPlan& building, std::string id) const;
+    CityObject make_tree(const TreePlan& tree, std::string id) const;
+
+  private:
+    const CityPlan& plan_;
+    const MaterialSet& materials_;
+    FacadeDictionary& facades_;
+    const CityCatalog& catalog_;
+    Vec2 origin_;
+};
+
+}  // namespace citystream::tiles::city::procedural

@@ -1,0 +1,136 @@
+#include "tiles/layers/build_city.h"
+
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "tiles/layers/city_archive.h"
+#include "tiles/layers/reference_glb.h"
+#include "tiles/layers/tile_pipeline.h"
+
+namespace citystream::tiles::layers {
+namespace {
+
+uint64_t peak_memory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+/// One build from start to end; its members are what the passes share.
+class CityBuild {
+  public:
+    CityBuild(const BuildOptions& options, city::CityReport& report) : options_(options), report_(report) {}
+
+    Result<BuildSummary> run(const CitySource& source) {
+        const auto begin = std::chrono::steady_clock::now();
+        if (Status status = open_spools(); !status) return status.error();
+        if (Status status = take_objects(source); !status) return status.error();
+        if (Status status = build(); !status) return status.error();
+        BuildSummary summary;
+        summary.manifest = manifest_;
+        summary.report = report_;
+        summary.archive_bytes = std::filesystem::file_size(options_.output);
+        if (reference_) summary.reference_bytes = std::filesystem::file_size(options_.reference);
+        summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        summary.peak_memory_bytes = peak_memory();
+        return summary;
+    }
+
+  private:
+    Status open_spools() {
+        std::filesystem::path parent = options_.temporary_parent;
+        if (parent.empty()) parent = std::filesystem::path(options_.output).parent_path();
+        if (parent.empty()) parent = ".";
+        auto folder = quadtree::SpoolFolder::create(parent.string());
+        if (!folder) return folder.error();
+        folder_ = std::move(folder).value();
+        auto objects = quadtree::ObjectSpool::create(folder_->path());
+        if (!objects) return objects.error();
+        objects_ = std::move(objects).value();
+        auto layers = quadtree::SpoolFile::create(folder_->path() + "/layers");
+        if (!layers) return layers.error();
+        layer_spool_ = std::move(layers).value();
+        auto content = quadtree::SpoolFile::create(folder_->path() + "/content");
+        if (!content) return content.error();
+        content_spool_ = std::move(content).value();
+        if (options_.reference.empty()) return Done{};
+        auto reference = ReferenceWriter::create(options_.reference, folder_->path());
+        if (!reference) return reference.error();
+        reference_ = std::move(reference).value();
+        return Done{};
+    }
+
+    bool cancelled() const { return options_.cancel != nullptr && options_.cancel->load(); }
+
+    Status take_objects(const CitySource& source) {
+        std::optional<Error> failed;
+        const Status read = source(header_, catalog_, report_, [&](city::CityObject&& object) {
+            Status status = objects_->add(object, catalog_, report_);
+            if (status && reference_) status = reference_->add(object);
+            if (!status) failed = status.error();
+            if (cancelled()) failed = Error{"interrupted"};
+            return !failed;
+        });
+        if (failed) return *failed;
+        if (!read) return read;
+        if (objects_->extent().empty()) return Error{"no object with geometry was found: there is nothing to build"};
+        return Done{};
+    }
+
+    Status build() {
+        const bool made_up_ground = options_.auto_ground && !objects_->has_ground();
+        auto tree = quadtree::make_tile_tree(*objects_, {options_.leaf_triangles, made_up_ground});
+        if (!tree) return tree.error();
+        ImageCache images(catalog_, static_cast<size_t>(options_.memory_limit / 6));
+        FacadePainter facades(catalog_, images);
+        Preview preview(objects_->extent(), images);
+        const TileWorkshop workshop{catalog_, images, facades, options_.layers, tree->origin};
+        auto tiles = build_tiles({options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, preview, made_up_ground});
+        if (!tiles) return tiles.error();
+        fill_manifest(*tree, made_up_ground);
+        const std::vector<std::byte> picture = preview.encode(folder_->path() + "/preview.png");
+        if (Status status = write_city_archive({manifest_, *tree, *tiles, *layer_spool_, catalog_, facades, picture, options_}); !status) return status;
+        for (city::Defect& defect : images.take_defects()) report_.add(std::move(defect));
+        return reference_ ? reference_->finish(catalog_, facades, objects_->extent(), tree->origin) : Status(Done{});
+    }
+
+    void fill_manifest(const quadtree::TileTree& tree, bool made_up_ground) {
+        manifest_.title = header_.title;
+        manifest_.epsg = header_.epsg;
+        manifest_.origin = tree.origin;
+        manifest_.root_side_log2 = tree.root_side_log2;
+        manifest_.levels = tree.levels();
+        const quadtree::GridBox& box = objects_->extent();
+        manifest_.extent.min = {to_metres(box.lo.x - tree.origin.x), to_metres(box.lo.y - tree.origin.y), to_metres(box.lo.z)};
+        manifest_.extent.max = {to_metres(box.hi.x - tree.origin.x), to_metres(box.hi.y - tree.origin.y), to_metres(box.hi.z)};
+        double square = 0;
+        for (size_t axis = 0; axis < 3; ++axis) square += std::pow(manifest_.extent.max[axis] - manifest_.extent.min[axis], 2);
+        manifest_.root_geometric_error = std::max(std::sqrt(square), 1.0);
+        manifest_.buildings = report_.buildings_emitted;
+        manifest_.facades = objects_->facades();
+        manifest_.build_options = options_.description + (made_up_ground ? " ground=made-up" : "");
+    }
+
+    const BuildOptions& options_;
+    city::CityReport& report_;
+    city::CityHeader header_;
+    city::CityCatalog catalog_;
+    tileset::Manifest manifest_;
+    std::unique_ptr<quadtree::SpoolFolder> folder_;  // before the files in it, so that it goes last
+    std::unique_ptr<quadtree::ObjectSpool> objects_;
+    std::unique_ptr<quadtree::SpoolFile> layer_spool_, content_spool_;
+    std::unique_ptr<ReferenceWriter> reference_;
+};
+
+}  // namespace
+
+Result<BuildSummary> build_city(const BuildOptions& options, const CitySource& source, city::CityReport& report) {
+    return CityBuild(options, report).run(source);
+}
+
+}  // namespace citystream::tiles::layers

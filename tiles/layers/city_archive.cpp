@@ -1,0 +1,131 @@
+#include "tiles/layers/city_archive.h"
+
+#include <algorithm>
+#include <map>
+
+#include "codec/bits/zstd_frame.h"
+#include "tiles/archive/archive.h"
+#include "tiles/tileset/facade_index.h"
+#include "tiles/tileset/subtree.h"
+#include "tiles/tileset/tileset_json.h"
+
+namespace citystream::tiles::layers {
+namespace {
+
+using tileset::TileAddress;
+
+constexpr int kMapLevel = 19;  // maps are few and sent once each
+
+bool morton_less(const TileAddress& a, const TileAddress& b) {
+    if (a.level != b.level) return a.level < b.level;
+    return quadtree::morton(a.x, a.y) < quadtree::morton(b.x, b.y);
+}
+
+TileAddress subtree_root(TileAddress tile, uint32_t subtree_levels) {
+    const uint32_t down = tile.level % subtree_levels;
+    return {tile.level - down, tile.x >> down, tile.y >> down};
+}
+
+std::vector<tileset::Subtree> make_subtrees(const std::vector<BuiltTile>& tiles, uint32_t subtree_levels) {
+    std::vector<const BuiltTile*> sorted;
+    for (const BuiltTile& tile : tiles) sorted.push_back(&tile);
+    std::sort(sorted.begin(), sorted.end(),
+              [](const BuiltTile* a, const BuiltTile* b) { return morton_less(a->record.address, b->record.address); });
+    std::map<TileAddress, tileset::Subtree> by_root;
+    for (const BuiltTile* tile : sorted) {
+        const TileAddress root = subtree_root(tile->record.address, subtree_levels);
+        tileset::Subtree& subtree = by_root[root];
+        subtree.root = root;
+        subtree.tiles.push_back(tile->record);
+        if (root == tile->record.address && root.level > 0) {
+            by_root[subtree_root(root.parent(), subtree_levels)].child_subtrees.push_back(root);
+        }
+    }
+    std::vector<tileset::Subtree> subtrees;
+    for (auto& [root, subtree] : by_root) subtrees.push_back(std::move(subtree));
+    return subtrees;
+}
+
+void count_tiles(const ArchiveContents& contents) {
+    tileset::Manifest& manifest = contents.manifest;
+    manifest.tiles = contents.tiles.size();
+    for (size_t i = 0; i < contents.tiles.size(); ++i) {
+        const tileset::TileRecord& record = contents.tiles[i].record;
+        if (contents.tree.nodes[i].leaf) manifest.triangles += contents.tiles[i].triangles;
+        for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
+            const auto& steps = record.layers[layer];
+            if (steps.empty()) continue;
+            manifest.has_layer[layer] = true;
+            manifest.wire_bytes[layer] += steps.back().end;
+            for (const tileset::StepRecord& step : steps) manifest.decoded_bytes[layer] += step.decoded_bytes;
+        }
+    }
+}
+
+/// The dictionary: one frame a map, in catalog order.
+std::vector<std::byte> pack_maps(const ArchiveContents& contents, std::vector<tileset::FacadeMapRecord>& records) {
+    std::vector<std::byte> bytes;
+    for (uint32_t map = 0; map < contents.catalog.facade_maps.size(); ++map) {
+        const auto raw = std::as_bytes(std::span(contents.catalog.facade_maps[map]));
+        const auto frame = codec::bits::compress_frame(raw, kMapLevel);
+        bytes.insert(bytes.end(), frame.begin(), frame.end());
+        tileset::FacadeMapRecord record;
+        record.end = bytes.size();
+        record.decoded_bytes = static_cast<uint32_t>(raw.size());
+        record.checksum = tileset::checksum_of(frame.data(), frame.size());
+        record.depth_min_mm = contents.facades.facts(map).depth_min_mm;
+        record.depth_max_mm = contents.facades.facts(map).depth_max_mm;
+        records.push_back(record);
+    }
+    return bytes;
+}
+
+Status add_text(archive::ArchiveWriter& writer, const std::string& name, const std::string& text) {
+    return writer.add(name, std::as_bytes(std::span(text)));
+}
+
+Status add_tile(archive::ArchiveWriter& writer, const ArchiveContents& contents, const BuiltTile& tile, std::vector<std::byte>& scratch) {
+    for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
+        if (tile.record.layers[layer].empty()) continue;
+        scratch.clear();
+        if (Status status = contents.layer_spool.read(tile.layers[layer], scratch); !status) return status;
+        const std::string name = tileset::layer_path(static_cast<tileset::Layer>(layer), tile.record.address);
+        if (Status status = writer.add(name, scratch); !status) return status;
+    }
+    return Done{};
+}
+
+Status add_directory(archive::ArchiveWriter& writer, const ArchiveContents& contents) {
+    std::vector<tileset::FacadeMapRecord> maps;
+    const std::vector<std::byte> map_bytes = pack_maps(contents, maps);
+    const std::vector<std::byte> index = tileset::write_facade_index(maps, contents.manifest);
+    if (Status status = add_text(writer, tileset::kTilesetPath, tileset::write_tileset_json(contents.manifest)); !status) return status;
+    for (const tileset::Subtree& subtree : make_subtrees(contents.tiles, contents.manifest.subtree_levels)) {
+        if (Status status = writer.add(tileset::subtree_path(subtree.root), tileset::write_subtree(subtree, contents.manifest)); !status) return status;
+    }
+    if (Status status = writer.add(tileset::kFacadeIndexPath, index); !status) return status;
+    return writer.add(tileset::kFacadeMapsPath, map_bytes);
+}
+
+}  // namespace
+
+Status write_city_archive(const ArchiveContents& contents) {
+    count_tiles(contents);
+    auto opened = archive::ArchiveWriter::create(contents.options.output);
+    if (!opened) return opened.error();
+    archive::ArchiveWriter& writer = **opened;
+    if (Status status = add_directory(writer, contents); !status) return status;
+    std::vector<std::byte> scratch;
+    uint64_t done = 0;
+    for (const BuiltTile& tile : contents.tiles) {
+        if (contents.options.cancel != nullptr && contents.options.cancel->load()) return Error{"interrupted"};
+        if (Status status = add_tile(writer, contents, tile, scratch); !status) return status;
+        if (contents.options.progress) contents.options.progress("archive", ++done, contents.tiles.size());
+    }
+    if (!contents.preview.empty()) {
+        if (Status status = writer.add(tileset::kPreviewPath, contents.preview); !status) return status;
+    }
+    return writer.finish();
+}
+
+}  // namespace citystream::tiles::layers

@@ -1,0 +1,192 @@
+#include "tiles/layers/inspect_city.h"
+
+#include <fmt/format.h>
+
+#include <deque>
+#include <span>
+
+#include "codec/atlas/atlas_layer.h"
+#include "codec/bits/zstd_frame.h"
+#include "codec/facade/facade_layer.h"
+#include "codec/facade/facade_map.h"
+#include "codec/mesh/mesh_layer.h"
+#include "tiles/archive/archive.h"
+#include "tiles/tileset/facade_index.h"
+#include "tiles/tileset/subtree.h"
+#include "tiles/tileset/tileset_json.h"
+
+namespace citystream::tiles::layers {
+namespace {
+
+using tileset::Layer;
+using tileset::TileAddress;
+using tileset::TileRecord;
+
+/// A layer's prefix, decoded: its words, and how many belong to each step.
+struct DecodedLayer {
+    std::vector<uint32_t> words;
+    std::vector<uint32_t> step_words;
+};
+
+class Verifier {
+  public:
+    Verifier(std::shared_ptr<archive::ArchiveReader> reader, const std::function<void(uint64_t, uint64_t)>& progress)
+        : reader_(std::move(reader)), progress_(progress) {}
+
+    std::vector<std::string> run() {
+        for (const Error& error : reader_->verify()) damages_.push_back("archive: " + error.text());
+        const auto manifest = tileset::parse_tileset_json(reader_->find(tileset::kTilesetPath));
+        if (!manifest) {
+            say(tileset::kTilesetPath, manifest.error().text());
+            return damages_;
+        }
+        manifest_ = *manifest;
+        check_dictionary();
+        check_subtrees();
+        if (tiles_ != manifest_.tiles) say(tileset::kTilesetPath, fmt::format("lists {} tiles, the subtrees hold {}", manifest_.tiles, tiles_));
+        return damages_;
+    }
+
+  private:
+    void say(const std::string& where, const std::string& what) { damages_.push_back(where + ": " + what); }
+
+    void check_dictionary() {
+        const auto index = reader_->find(tileset::kFacadeIndexPath);
+        const auto maps = tileset::parse_facade_index(index, manifest_);
+        if (!maps) return say(tileset::kFacadeIndexPath, maps.error().text());
+        const auto bytes = reader_->find(tileset::kFacadeMapsPath);
+        uint64_t begin = 0;
+        for (size_t i = 0; i < maps->size(); ++i) {
+            const tileset::FacadeMapRecord& record = (*maps)[i];
+            if (record.end < begin || record.end > bytes.size()) return say(tileset::kFacadeMapsPath, fmt::format("map {} lies outside the entry", i));
+            if (auto error = check_map(bytes.subspan(begin, record.end - begin), record)) say(tileset::kFacadeMapsPath, fmt::format("map {}: {}", i, *error));
+            begin = record.end;
+        }
+        if (begin != bytes.size()) say(tileset::kFacadeMapsPath, "bytes follow the last map");
+    }
+
+    static std::optional<std::string> check_map(std::span<const std::byte> frame, const tileset::FacadeMapRecord& record) {
+        if (tileset::checksum_of(frame.data(), frame.size()) != record.checksum) return "checksum differs";
+        const auto raw = codec::bits::decompress_frame(frame, record.decoded_bytes);
+        if (!raw) return raw.error().text();
+        const auto view = codec::facade::FacadeMapView::create(words_of(*raw));
+        return view ? std::nullopt : std::optional(view.error().text());
+    }
+
+    static std::vector<uint32_t> words_of(std::span<const std::byte> raw) {
+        std::vector<uint32_t> words(raw.size() / 4);
+        std::memcpy(words.data(), raw.data(), words.size() * 4);
+        return words;
+    }
+
+    void check_subtrees() {
+        std::deque<TileAddress> open = {TileAddress{}};
+        for (; !open.empty(); open.pop_front()) {
+            const std::string path = tileset::subtree_path(open.front());
+            const auto subtree = tileset::parse_subtree(reader_->find(path), open.front(), manifest_);
+            if (!subtree) {
+                say(path, subtree.error().text());
+                continue;
+            }
+            for (const TileRecord& tile : subtree->tiles) check_tile(tile);
+            open.insert(open.end(), subtree->child_subtrees.begin(), subtree->child_subtrees.end());
+        }
+    }
+
+    void check_tile(const TileRecord& tile) {
+        ++tiles_;
+        if (progress_) progress_(tiles_, manifest_.tiles);
+        const auto atlas = decode(tile, Layer::kAtlas);
+        uint32_t charts = tile.steps(Layer::kAtlas).empty() ? 1 : 0;
+        if (atlas) {
+            const auto view = codec::atlas::AtlasLayerView::create(atlas->words, atlas->step_words);
+            if (!view) say(tileset::layer_path(Layer::kAtlas, tile.address), view.error().text());
+            if (view) charts = view->chart_count();
+        }
+        if (charts == 0) charts = UINT32_MAX >> 8;  // the atlas is damaged and named already: only this check is lost
+        if (const auto mesh = decode(tile, Layer::kMesh)) {
+            const auto view = codec::mesh::MeshLayerView::create(mesh->words, mesh->step_words, charts);
+            if (!view) say(tileset::layer_path(Layer::kMesh, tile.address), view.error().text());
+        }
+        if (const auto facade = decode(tile, Layer::kFacade)) {
+            const auto view = codec::facade::decode_facades(facade->words, static_cast<uint32_t>(manifest_.facade_map_count), charts);
+            if (!view) say(tileset::layer_path(Layer::kFacade, tile.address), view.error().text());
+        }
+    }
+
+    std::optional<DecodedLayer> decode(const TileRecord& tile, Layer layer) {
+        const auto& steps = tile.steps(layer);
+        if (steps.empty()) return std::nullopt;
+        const std::string path = tileset::layer_path(layer, tile.address);
+        const auto bytes = reader_->find(path);
+        DecodedLayer out;
+        uint64_t begin = 0;
+        for (size_t i = 0; i < steps.size(); ++i) {
+            const tileset::StepRecord& step = steps[i];
+            if (step.end < begin || step.end > bytes.size()) return fail(path, fmt::format("step {} lies outside the entry", i));
+            const auto frame = bytes.subspan(begin, step.end - begin);
+            if (tileset::checksum_of(frame.data(), frame.size()) != step.checksum) return fail(path, fmt::format("step {}: checksum differs", i));
+            const auto raw = codec::bits::decompress_frame(frame, step.decoded_bytes);
+            if (!raw) return fail(path, fmt::format("step {}: {}", i, raw.error().text()));
+            const auto words = words_of(*raw);
+            out.words.insert(out.words.end(), words.begin(), words.end());
+            out.step_words.push_back(static_cast<uint32_t>(words.size()));
+            begin = step.end;
+        }
+        if (begin != bytes.size()) return fail(path, "bytes follow the last step");
+        return out;
+    }
+
+    std::optional<DecodedLayer> fail(const std::string& where, const std::string& what) {
+        say(where, what);
+        return std::nullopt;
+    }
+
+    std::shared_ptr<archive::ArchiveReader> reader_;
+    const std::function<void(uint64_t, uint64_t)>& progress_;
+    tileset::Manifest manifest_;
+    uint64_t tiles_ = 0;
+    std::vector<std::string> damages_;
+};
+
+}  // namespace
+
+nlohmann::json manifest_json(const tileset::Manifest& m) {
+    const double x = to_metres(m.origin.x), y = to_metres(m.origin.y);
+    nlohmann::json out;
+    out["title"] = m.title;
+    out["epsg"] = m.epsg;
+    out["extent"] = {m.extent.min[0] + x, m.extent.min[1] + y, m.extent.min[2], m.extent.max[0] + x, m.extent.max[1] + y, m.extent.max[2]};
+    out["buildings"] = m.buildings;
+    out["triangles"] = m.triangles;
+    out["facades"] = m.facades;
+    out["facade_maps"] = m.facade_map_count;
+    out["tiles"] = m.tiles;
+    out["levels"] = m.levels;
+    out["root_side_metres"] = m.side_metres(0);
+    out["build_options"] = m.build_options;
+    for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
+        if (!m.has_layer[layer]) continue;
+        out["layers"][tileset::kLayerNames[layer]] = {{"wire_bytes", m.wire_bytes[layer]}, {"decoded_bytes", m.decoded_bytes[layer]}};
+    }
+    return out;
+}
+
+Result<nlohmann::json> read_city_info(const std::string& path) {
+    const auto reader = archive::ArchiveReader::open(path);
+    if (!reader) return reader.error();
+    const auto manifest = tileset::parse_tileset_json((*reader)->find(tileset::kTilesetPath));
+    if (!manifest) return manifest.error();
+    nlohmann::json out = manifest_json(*manifest);
+    out["archive_bytes"] = (*reader)->file_size();
+    out["entries"] = (*reader)->entries().size();
+    return out;
+}
+
+Result<std::vector<std::string>> verify_city(const std::string& path, const std::function<void(uint64_t, uint64_t)>& progress) {
+    auto reader = archive::ArchiveReader::open(path);
+    if (!reader) return reader.error();
+    return Verifier(std::move(reader).value(), progress).run();
+}
+
+}  // namespace citystream::tiles::layers

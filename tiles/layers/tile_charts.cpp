@@ -1,0 +1,192 @@
+#include "tiles/layers/tile_charts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace citystream::tiles::layers {
+namespace {
+
+using quadtree::BuildObject;
+using quadtree::BuildTriangle;
+using quadtree::Paint;
+using quadtree::PaintKind;
+
+constexpr int64_t kOneRepeat = 65536;
+constexpr int64_t kEdgeSlack = 64;       // a thousandth of a repeat outside 0..1 still counts as inside
+constexpr uint32_t kGreatestChart = 8192;
+constexpr double kCoarsestShare = 1.5;   // a texel is at least the wanted size divided by this
+constexpr double kMarginTexels = 1;
+
+double world_area(const BuildObject& object, const BuildTriangle& triangle) {
+    const auto n = quadtree::triangle_normal(object.vertices[triangle.vertex[0]], object.vertices[triangle.vertex[1]],
+                                             object.vertices[triangle.vertex[2]]);
+    return 0.5 * std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) * kMetresPerGridUnit * kMetresPerGridUnit;
+}
+
+double texture_area(const BuildTriangle& triangle) {
+    const auto& t = triangle.texcoord;
+    const auto edge = [&](size_t corner, size_t axis) { return static_cast<double>(t[corner][axis] - t[0][axis]) / quadtree::kTexcoordUnits; };
+    return 0.5 * std::abs(edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0));
+}
+
+/// Halvings after which a texel of `texel` metres is about `wanted`, and the image fits a chart.
+uint32_t halvings(const ChartImage& image, double texel, double wanted) {
+    uint32_t level = 0;
+    const uint32_t size = std::max(image.width, image.height);
+    while ((size >> level) > 1 && ((size >> level) > kGreatestChart || std::ldexp(texel, static_cast<int>(level)) < wanted / kCoarsestShare)) ++level;
+    return level;
+}
+
+}  // namespace
+
+void TileCharts::note(uint32_t object, const BuildObject& built) {
+    for (const BuildTriangle& triangle : built.triangles) {
+        const Paint& paint = built.paints[triangle.paint];
+        if (paint.kind == PaintKind::kFlat) flat(paint.rgb());
+        if (paint.kind == PaintKind::kFacade) facade_picture(paint.a, paint.b, texel_);
+        if (paint.kind != PaintKind::kMaterial) continue;
+        ImagePaint& noted = noted_[paint];
+        noted.world_area += world_area(built, triangle);
+        noted.texture_area += texture_area(triangle);
+        Range& range = noted.objects[object];
+        for (const auto& texcoord : triangle.texcoord) {
+            for (size_t axis = 0; axis < 2; ++axis) {
+                range.lo[axis] = std::min(range.lo[axis], texcoord[axis]);
+                range.hi[axis] = std::max(range.hi[axis], texcoord[axis]);
+            }
+        }
+    }
+}
+
+void TileCharts::add_ground_picture(uint32_t picture, ChartImage image) { ground_pictures_[picture] = add(std::move(image)); }
+
+void TileCharts::settle() {
+    for (const auto& [paint, noted] : noted_) settle_image(paint, noted);
+}
+
+void TileCharts::settle_image(const Paint& paint, const ImagePaint& noted) {
+    const city::Material& material = catalog_.materials[paint.a];
+    const auto whole = images_.mip(static_cast<uint32_t>(material.image), 0);
+    if (!whole) {
+        const uint32_t chart = flat(material.rgb);
+        for (const auto& [object, range] : noted.objects) image_uses_[{paint, object}] = {chart, {}, {0, 0}};
+        return;
+    }
+    const double area = std::max(noted.texture_area, 1e-12) * whole->width * whole->height;
+    const double texel = std::sqrt(noted.world_area / area);
+    const uint32_t level = halvings(*whole, texel, texel_);
+    const auto image = images_.mip(static_cast<uint32_t>(material.image), level);
+    const auto level_texel = static_cast<float>(std::ldexp(texel, static_cast<int>(level)));
+    const bool outside = std::any_of(noted.objects.begin(), noted.objects.end(), [](const auto& entry) {
+        const Range& r = entry.second;
+        return r.lo[0] < -kEdgeSlack || r.lo[1] < -kEdgeSlack || r.hi[0] > kOneRepeat + kEdgeSlack || r.hi[1] > kOneRepeat + kEdgeSlack;
+    });
+    if (outside) {
+        settle_whole(paint, noted, *image, material.repeat, level_texel);
+    } else {
+        settle_crops(paint, noted, *image, level_texel);
+    }
+}
+
+void TileCharts::settle_whole(const Paint& paint, const ImagePaint& noted, const ChartImage& image, bool repeat, float texel) {
+    ChartImage chart = image;
+    chart.repeat_u = chart.repeat_v = repeat;
+    chart.metres_per_texel = image.width * image.height > 1 ? texel : 0;
+    const uint32_t index = add(std::move(chart));
+    for (const auto& [object, range] : noted.objects) {
+        ChartUse use;
+        use.chart = index;
+        // Whole repeats are shifted away object by object, so that the packed coordinates stay small.
+        for (size_t axis = 0; repeat && axis < 2; ++axis) use.offset[axis] = static_cast<double>((range.lo[axis] >> 16) * kOneRepeat);
+        image_uses_[{paint, object}] = use;
+    }
+}
+
+void TileCharts::settle_crops(const Paint& paint, const ImagePaint& noted, const ChartImage& image, float texel) {
+    std::map<uint32_t, Crop> crops;
+    Crop all{image.width, image.height, 0, 0};
+    uint64_t sum = 0;
+    for (const auto& [object, range] : noted.objects) {
+        const auto low = [](int64_t t, uint32_t size) {
+            return static_cast<uint32_t>(std::clamp(std::floor(static_cast<double>(t) / kOneRepeat * size) - kMarginTexels, 0.0, size - 1.0));
+        };
+        const auto high = [](int64_t t, uint32_t size) {
+            return static_cast<uint32_t>(std::clamp(std::ceil(static_cast<double>(t) / kOneRepeat * size) + kMarginTexels, 1.0, size * 1.0));
+        };
+        Crop crop{low(range.lo[0], image.width), low(range.lo[1], image.height), high(range.hi[0], image.width), high(range.hi[1], image.height)};
+        crop.x1 = std::max(crop.x1, crop.x0 + 1);
+        crop.y1 = std::max(crop.y1, crop.y0 + 1);
+        all = {std::min(all.x0, crop.x0), std::min(all.y0, crop.y0), std::max(all.x1, crop.x1), std::max(all.y1, crop.y1)};
+        sum += crop.area();
+        crops[object] = crop;
+    }
+    const bool together = 2 * all.area() <= 3 * sum;
+    const uint32_t common = together ? add_crop(image, all, texel) : 0;
+    for (const auto& [object, own] : crops) {
+        const Crop& crop = together ? all : own;
+        ChartUse use;
+        use.chart = together ? common : add_crop(image, own, texel);
+        use.offset = {static_cast<double>(crop.x0) / image.width * kOneRepeat, static_cast<double>(crop.y0) / image.height * kOneRepeat};
+        use.scale = {static_cast<double>(image.width) / (crop.x1 - crop.x0), static_cast<double>(image.height) / (crop.y1 - crop.y0)};
+        image_uses_[{paint, object}] = use;
+    }
+}
+
+uint32_t TileCharts::add_crop(const ChartImage& image, const Crop& crop, float texel) {
+    ChartImage chart;
+    chart.width = crop.x1 - crop.x0;
+    chart.height = crop.y1 - crop.y0;
+    chart.metres_per_texel = chart.width * chart.height > 1 ? texel : 0;
+    chart.rgb.reserve(size_t{3} * chart.width * chart.height);
+    for (uint32_t y = crop.y0; y < crop.y1; ++y) {
+        const auto row = image.rgb.begin() + static_cast<ptrdiff_t>(3 * (size_t{y} * image.width + crop.x0));
+        chart.rgb.insert(chart.rgb.end(), row, row + static_cast<ptrdiff_t>(size_t{3} * chart.width));
+    }
+    return add(std::move(chart));
+}
+
+ChartUse TileCharts::use(uint32_t object, const Paint& paint) const {
+    switch (paint.kind) {
+        case PaintKind::kFlat: return {flats_.at(paint.a), {}, {0, 0}};
+        case PaintKind::kMaterial: return image_uses_.at({paint, object});
+        case PaintKind::kFacade: return {facade_pictures_.at({paint.a, paint.b}), {}, {1, 1}};
+        case PaintKind::kGroundPicture: return {ground_pictures_.at(paint.a), {}, {1, 1}};
+    }
+    return {};
+}
+
+uint32_t TileCharts::facade_picture(uint32_t map, uint32_t palette, double texel) {
+    const auto found = facade_pictures_.find({map, palette});
+    if (found != facade_pictures_.end()) return found->second;
+    return facade_pictures_[{map, palette}] = add(facades_.picture(map, palette, texel));
+}
+
+uint32_t TileCharts::facade_material(uint32_t material) {
+    const auto found = facade_materials_.find(material);
+    if (found != facade_materials_.end()) return found->second;
+    const city::Material& m = catalog_.materials[material];
+    const auto whole = m.image < 0 ? nullptr : images_.mip(static_cast<uint32_t>(m.image), 0);
+    if (!whole) return facade_materials_[material] = flat(m.rgb);
+    const double repeat = m.metres_per_repeat > 0 ? static_cast<double>(m.metres_per_repeat) : 1.0;
+    const double texel = repeat / std::max(whole->width, whole->height);
+    const uint32_t level = halvings(*whole, texel, texel_);
+    ChartImage chart = *images_.mip(static_cast<uint32_t>(m.image), level);
+    chart.repeat_u = chart.repeat_v = true;
+    chart.metres_per_texel = chart.width * chart.height > 1 ? static_cast<float>(std::ldexp(texel, static_cast<int>(level))) : 0;
+    return facade_materials_[material] = add(std::move(chart));
+}
+
+uint32_t TileCharts::flat(const std::array<uint8_t, 3>& rgb) {
+    const uint32_t key = Paint::flat(rgb).a;
+    const auto found = flats_.find(key);
+    if (found != flats_.end()) return found->second;
+    ChartImage chart{1, 1, false, false, 0, {rgb[0], rgb[1], rgb[2]}};
+    return flats_[key] = add(std::move(chart));
+}
+
+uint32_t TileCharts::add(ChartImage image) {
+    charts_.push_back(std::move(image));
+    return static_cast<uint32_t>(charts_.size() - 1);
+}
+
+}  // namespace citystream::tiles::layers

@@ -1,0 +1,49 @@
+// One tile's objects to its layers: mesh, facade and atlas bytes, each step a zstd frame, and the tile's record for the directory.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tiles/layers/facade_painter.h"
+#include "tiles/quadtree/build_object.h"
+#include "tiles/tileset/directory.h"
+
+namespace citystream::tiles::layers {
+
+/// What is shared by all tiles of a build.
+struct TileWorkshop {
+    const city::CityCatalog& catalog;
+    ImageCache& images;
+    FacadePainter& facades;
+    std::array<bool, tileset::kLayerCount> layers = {true, true, true, false};
+    GridPoint city_origin;
+};
+
+struct TileSpec {
+    tileset::TileAddress address;
+    GridPoint corner;            ///< absolute minimum corner of its square
+    int64_t side = 0;            ///< grid units
+    double texel = 0.05;         ///< metres a texel of the finest mip
+    double facade_texel = 0.1;   ///< least metres a texel of facades seen flat
+    float geometric_error = 0;   ///< of the objects
+    double skirt_metres = 1;     ///< how far the ground hangs down at the tile's border
+};
+
+struct TileContent {
+    std::vector<quadtree::BuildObject> objects;
+    std::vector<ChartImage> ground_pictures;
+};
+
+struct EncodedTile {
+    tileset::TileRecord record;
+    std::array<std::vector<std::byte>, tileset::kLayerCount> bytes;
+    uint64_t triangles = 0;  ///< of the mesh layer
+};
+
+/// Encodes. Deterministic; may run on many threads with one workshop.
+EncodedTile encode_tile(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop);
+
+}  // namespace citystream::tiles::layers

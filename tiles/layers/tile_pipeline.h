@@ -1,0 +1,41 @@
+// Passes 2 and 3 of a build: every tile of the quadtree, deepest level first, on many threads, with its layers going to a spool file.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "tiles/layers/build_city.h"
+#include "tiles/layers/preview.h"
+#include "tiles/layers/tile_encoder.h"
+#include "tiles/quadtree/tile_tree.h"
+
+namespace citystream::tiles::layers {
+
+struct BuiltTile {
+    tileset::TileRecord record;
+    std::array<quadtree::SpoolRange, tileset::kLayerCount> layers;  ///< in the layer spool
+    quadtree::SpoolRange content;                                    ///< of inner tiles, in the content spool
+    uint64_t triangles = 0;
+};
+
+struct PipelineInput {
+    const BuildOptions& options;
+    const quadtree::TileTree& tree;
+    quadtree::ObjectSpool& objects;
+    quadtree::SpoolFile& layer_spool;
+    quadtree::SpoolFile& content_spool;
+    const TileWorkshop& workshop;
+    Preview& preview;
+    bool made_up_ground = false;
+};
+
+/// Builds all tiles; result[i] belongs to tree.nodes[i]. Bounds and errors hold for everything below a tile.
+Result<std::vector<BuiltTile>> build_tiles(const PipelineInput& input);
+
+/// Error of the level above leaves and further up: metres.
+double level_error(double side_metres);
+
+}  // namespace citystream::tiles::layers

@@ -1,0 +1,104 @@
+// The directory of a city in memory: manifest, tile records with step tables, facade dictionary index. tileset_json.h
+// and subtree.h hold its 3D Tiles 1.1 form. FORMAT.md beside this file lists every entry of an archive.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "codec/grid.h"
+
+namespace citystream::tiles::tileset {
+
+enum class Layer : uint8_t { kMesh, kFacade, kAtlas, kRadiance };
+inline constexpr size_t kLayerCount = 4;
+inline constexpr std::array<const char*, kLayerCount> kLayerNames = {"mesh", "facade", "atlas", "radiance"};
+
+/// Implicit quadtree coordinates: level 0 is the root; x east, y north. The tile's square starts at origin + (x, y) *
+/// side(level).
+struct TileAddress {
+    uint32_t level = 0, x = 0, y = 0;
+    friend auto operator<=>(const TileAddress&, const TileAddress&) = default;
+    TileAddress child(uint32_t i) const { return {level + 1, 2 * x + (i & 1), 2 * y + (i >> 1)}; }
+    TileAddress parent() const { return {level - 1, x / 2, y / 2}; }
+};
+
+/// One step of a layer, as the directory lists it.
+struct StepRecord {
+    uint64_t end = 0;  ///< wire bytes of the prefix that ends with this step (offset of its end in the layer's entry)
+    uint32_t decoded_bytes = 0;  ///< of this step alone; a multiple of 4
+    float error = 0;             ///< of the prefix; see codec/layer_steps.h for the unit
+    uint64_t checksum = 0;       ///< XXH3-64 of this step's wire bytes
+    friend bool operator==(const StepRecord&, const StepRecord&) = default;
+};
+
+/// Axis-aligned bounds in metres, relative to Manifest::origin (x, y) and absolute in z.
+struct Bounds {
+    std::array<double, 3> min{}, max{};
+    friend bool operator==(const Bounds&, const Bounds&) = default;
+};
+
+struct TileRecord {
+    TileAddress address;
+    Bounds bounds;              ///< of the tile's content and of all tiles below it
+    float geometric_error = 0;  ///< metres: error of the tile drawn with all its mesh steps
+    float flat_facade_error =
+        0;                     ///< metres: error of drawing its facades flat (greatest relief depth); 0 without facades
+    int64_t base_height = 0;   ///< grid units: z that tile-relative positions count from
+    uint32_t facade_maps = 0;  ///< distinct dictionary maps its facade layer uses
+    std::array<std::vector<StepRecord>, kLayerCount> layers;  ///< empty = the tile has no such layer
+    friend bool operator==(const TileRecord&, const TileRecord&) = default;
+
+    const std::vector<StepRecord>& steps(Layer layer) const { return layers[static_cast<size_t>(layer)]; }
+    std::vector<StepRecord>& steps(Layer layer) { return layers[static_cast<size_t>(layer)]; }
+};
+
+/// One facade map of the dictionary: a zstd frame in the maps entry.
+struct FacadeMapRecord {
+    uint64_t end = 0;  ///< of its frame in the maps entry; it begins where the one before ends
+    uint32_t decoded_bytes = 0;
+    uint64_t checksum = 0;  ///< XXH3-64 of the frame
+    int16_t depth_min_mm = 0, depth_max_mm = 0;
+    friend bool operator==(const FacadeMapRecord&, const FacadeMapRecord&) = default;
+};
+
+struct Manifest {
+    std::string title;
+    int32_t epsg = 0;
+    GridPoint origin;  ///< grid units, absolute: minimum corner of the root square (x, y multiples of 128 m); z = 0
+    uint32_t root_side_log2 = 7;  ///< the root square's side is 2^this metres
+    uint32_t levels = 1;          ///< available levels of the quadtree
+    uint32_t subtree_levels = 4;
+    Bounds extent;                    ///< of the city, relative to origin in x, y
+    double root_geometric_error = 0;  ///< metres: error of drawing nothing
+    uint64_t buildings = 0, triangles = 0, facades = 0, tiles = 0;
+    std::array<bool, kLayerCount> has_layer{};
+    std::array<uint64_t, kLayerCount> wire_bytes{}, decoded_bytes{};
+    uint64_t facade_map_count = 0;
+    uint64_t facade_index_bytes = 0;  ///< of the entry facades/index (one zstd frame)
+    uint64_t facade_index_decoded_bytes = 0;
+    uint64_t facade_index_checksum = 0;
+    std::string build_options;  ///< what the builder was asked for, for people
+    friend bool operator==(const Manifest&, const Manifest&) = default;
+
+    double side_metres(uint32_t level) const {
+        return static_cast<double>(int64_t{1} << root_side_log2) / static_cast<double>(int64_t{1} << level);
+    }
+    /// Absolute grid position of a tile's minimum corner; z is the record's base height.
+    GridPoint tile_origin(const TileRecord& record) const;
+};
+
+/// Entry names. Paths are relative to tileset.json.
+std::string layer_path(Layer layer, TileAddress address);  ///< "tiles/{level}/{x}/{y}.mesh"
+std::string subtree_path(TileAddress subtree_root);        ///< "subtrees/{level}/{x}/{y}.subtree"
+inline constexpr const char* kTilesetPath = "tileset.json";
+inline constexpr const char* kFacadeIndexPath = "facades/index";
+inline constexpr const char* kFacadeMapsPath = "facades/maps";
+inline constexpr const char* kPreviewPath = "preview.png";
+
+/// XXH3-64 as used by every checksum of the directory.
+uint64_t checksum_of(const void* bytes, size_t size);
+
+}  // namespace citystream::tiles::tileset
