@@ -6,8 +6,8 @@
 #include <atomic>
 #include <charconv>
 #include <chrono>
-#include <condition_variable>
 #include <cmath>
+#include <condition_variable>
 #include <csignal>
 #include <deque>
 #include <filesystem>
@@ -32,11 +32,13 @@ using Clock = std::chrono::steady_clock;
 
 std::atomic<bool> stop_requested = false;
 
-extern "C" void request_stop(int) { stop_requested = true; }
+extern "C" void request_stop(int) {
+    stop_requested = true;
+}
 
 struct FlyOptions {
-    std::string place, path, frames_folder, video, stats, size = "1280x720", gpu_budget = "512MiB", host_budget = "1GiB",
-                                                          mode = "offline", network, device, reference;
+    std::string place, path, frames_folder, video, stats,
+        size = "1280x720", gpu_budget = "512MiB", host_budget = "1GiB", mode = "offline", network, device, reference;
     double tolerance = 1, fps = 10;
     uint32_t supersample = 1;
     bool list_devices = false, validation = false, json = false;
@@ -87,7 +89,8 @@ Status parse_values(FlyOptions& options) {
     return Done{};
 }
 
-/// Files of finished frames, written on a thread of its own. Takes at most kMostWaiting frames ahead: memory stays bounded.
+/// Files of finished frames, written on a thread of its own. Takes at most kMostWaiting frames ahead: memory stays
+/// bounded.
 class FrameOutput {
   public:
     FrameOutput(std::string folder, std::unique_ptr<VideoWriter> video)
@@ -170,7 +173,8 @@ Result<std::unique_ptr<FrameOutput>> open_output(const FlyOptions& options) {
     std::unique_ptr<VideoWriter> video;
     if (!options.video.empty()) {
         const auto rate = static_cast<uint32_t>(std::max(1.0, std::round(options.fps)));
-        auto created = VideoWriter::create(options.video, {options.width, options.height, rate, VideoOptions{}.quality});
+        auto created =
+            VideoWriter::create(options.video, {options.width, options.height, rate, VideoOptions{}.quality});
         if (!created) return created.error();
         video = std::move(*created);
     }
@@ -192,7 +196,8 @@ class FrameClock {
             const double now = std::chrono::duration<double>(Clock::now() - start_).count();
             index_ = std::max(index_, static_cast<uint64_t>(std::ceil(now * fps_ - 1e-9)));
             t = static_cast<double>(index_) / fps_;
-            std::this_thread::sleep_until(start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(t)));
+            std::this_thread::sleep_until(
+                start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(t)));
         }
         if (t > duration_ + 1e-9) return std::nullopt;
         ++index_;
@@ -312,7 +317,8 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
             fmt::print(stderr, "citystream-fly: warning: {}\n", warning);
         }
         const Status budgets = check_budgets(options, frame, (*renderer)->gpu_bytes_allocated());
-        const std::string text = fmt::format("{} tiles, {:.2f} px", frame.stream.tiles_drawn, frame.stream.tolerance_used);
+        const std::string text =
+            fmt::format("{} tiles, {:.2f} px", frame.stream.tiles_drawn, frame.stream.tolerance_used);
         statistics.add(std::move(frame));
         if (!budgets) return fail(budgets.error().text());
         const Status added = (*output)->add(std::move(*image));
@@ -381,20 +387,28 @@ void add_options(CLI::App& app, FlyOptions& options) {
     app.add_option("place", options.place, "http://host:port[/city], a .3tz archive, or an unpacked folder");
     app.add_option("--path", options.path, "camera path: CSV with the columns t,x,y,z,yaw,pitch,fov");
     app.add_option("--size", options.size, "frame size in pixels")->capture_default_str();
-    app.add_option("--tolerance", options.tolerance, "largest error in pixels")->capture_default_str()->check(CLI::Range(0.01, 1e6));
+    app.add_option("--tolerance", options.tolerance, "largest error in pixels")
+        ->capture_default_str()
+        ->check(CLI::Range(0.01, 1e6));
     app.add_option("--frames", options.frames_folder, "folder for the frames (PNG)");
     app.add_option("--video", options.video, "film of the frames (MP4)");
     app.add_option("--stats", options.stats, "statistics of every frame (JSON)");
     app.add_option("--gpu-budget", options.gpu_budget, "most GPU memory for tiles")->capture_default_str();
     app.add_option("--host-budget", options.host_budget, "most host memory for tiles")->capture_default_str();
-    app.add_option("--mode", options.mode, "offline: each frame waits for all it asked for; realtime: draws what is there")
+    app.add_option("--mode", options.mode,
+                   "offline: each frame waits for all it asked for; realtime: draws what is there")
         ->capture_default_str()
         ->check(CLI::IsMember({"offline", "realtime"}));
-    app.add_option("--fps", options.fps, "frames per second of the path")->capture_default_str()->check(CLI::Range(0.001, 1000.0));
+    app.add_option("--fps", options.fps, "frames per second of the path")
+        ->capture_default_str()
+        ->check(CLI::Range(0.001, 1000.0));
     app.add_option("--network", options.network, "shape the network: RATE,ROUNDTRIP, for example 5mbit,38ms");
     app.add_option("--device", options.device, "part of a device's name, or its index");
-    app.add_option("--supersample", options.supersample, "samples per pixel and axis")->capture_default_str()->check(CLI::Range(1, 2));
-    app.add_option("--reference", options.reference, "draw this uncompressed city (.glb) with the reference renderer instead");
+    app.add_option("--supersample", options.supersample, "samples per pixel and axis")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 2));
+    app.add_option("--reference", options.reference,
+                   "draw this uncompressed city (.glb) with the reference renderer instead");
     app.add_flag("--list-devices", options.list_devices, "list the devices and exit");
     app.add_flag("--validation", options.validation, "run with the Vulkan validation layer; messages fail the flight");
     app.add_flag("--json", options.json, "print the summary as JSON");

@@ -27,7 +27,8 @@ std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "the signal handler sets it");
 
 struct Arguments {
-    std::string place, path, duration = "30s", ramp = "2s", size = "1280x720", network, host_budget = "1GiB", gpu_budget = "512MiB", stats;
+    std::string place, path, duration = "30s", ramp = "2s", size = "1280x720", network, host_budget = "1GiB",
+                             gpu_budget = "512MiB", stats;
     client::LoadOptions options;
     bool json = false;
 };
@@ -93,17 +94,20 @@ int load(Arguments& arguments) {
     std::signal(SIGTERM, [](int) { stop_requested = true; });
     arguments.options.client.streamer.stop = &stop_requested;
     const bool terminal = ::isatty(STDERR_FILENO) == 1;
-    const auto outcome = client::run_load(arguments.options, *path, stop_requested, [&](double seconds, uint64_t answers) {
-        if (terminal) show_progress(seconds, answers, arguments.options.duration_seconds);
-    });
+    const auto outcome =
+        client::run_load(arguments.options, *path, stop_requested, [&](double seconds, uint64_t answers) {
+            if (terminal) show_progress(seconds, answers, arguments.options.duration_seconds);
+        });
     if (terminal) fmt::print(stderr, "\n");
 
     if (!outcome.fetched_anything()) {
-        const std::string why = outcome.measured.first_error.empty() ? "stopped before the first answer" : outcome.measured.first_error;
+        const std::string why =
+            outcome.measured.first_error.empty() ? "stopped before the first answer" : outcome.measured.first_error;
         return fail(fmt::format("nothing could be fetched from {}: {}", arguments.place, why), 1);
     }
     const std::string json = client::load_json(outcome, arguments.options);
-    if (!arguments.stats.empty() && !write_file(arguments.stats, json)) return fail("cannot write " + arguments.stats, 1);
+    if (!arguments.stats.empty() && !write_file(arguments.stats, json))
+        return fail("cannot write " + arguments.stats, 1);
     std::fputs(arguments.json ? json.c_str() : client::load_text(outcome, arguments.options).c_str(), stdout);
     if (!outcome.measured.first_error.empty()) {
         fmt::print(stderr, "citystream-load: some requests failed, the first: {}\n", outcome.measured.first_error);
@@ -116,25 +120,34 @@ int load(Arguments& arguments) {
 int main(int argc, char** argv) {
     Arguments arguments;
     client::LoadOptions& options = arguments.options;
-    CLI::App app{"Replays a recorded camera path as many independent clients and measures the server.", "citystream-load"};
+    CLI::App app{"Replays a recorded camera path as many independent clients and measures the server.",
+                 "citystream-load"};
     app.footer(kExamples);
     app.set_version_flag("--version", std::string("citystream-load " CITYSTREAM_VERSION));
-    app.add_option("URL", arguments.place, "http://host:port[/city] (or a .3tz file or folder, to try without a server)")->required();
+    app.add_option("URL", arguments.place,
+                   "http://host:port[/city] (or a .3tz file or folder, to try without a server)")
+        ->required();
     app.add_option("--path", arguments.path, "Camera path, CSV: t,x,y,z,yaw,pitch,fov")->required();
     app.add_option("--clients", options.clients, "Number of clients")->required()->check(CLI::Range(1, 100'000));
     app.add_option("--duration", arguments.duration, "How long to fly")->capture_default_str();
     app.add_option("--ramp", arguments.ramp, "Clients begin spread over this time")->capture_default_str();
-    app.add_option("--rate", options.updates_per_second, "Camera updates a second of each client")->check(CLI::Range(0.1, 240.0))->capture_default_str();
-    app.add_option("--tolerance", options.client.streamer.tolerance_pixels, "Error on the screen that is good enough, in pixels")
+    app.add_option("--rate", options.updates_per_second, "Camera updates a second of each client")
+        ->check(CLI::Range(0.1, 240.0))
+        ->capture_default_str();
+    app.add_option("--tolerance", options.client.streamer.tolerance_pixels,
+                   "Error on the screen that is good enough, in pixels")
         ->check(CLI::Range(0.01, 1000.0))
         ->capture_default_str();
     app.add_option("--size", arguments.size, "Picture size that clients select for")->capture_default_str();
     app.add_option("--network", arguments.network, "Shape each client's link, as 5mbit,38ms");
-    app.add_option("--connections", options.client.fetcher.connections, "Connections of each client")->check(CLI::Range(1, 64))->capture_default_str();
+    app.add_option("--connections", options.client.fetcher.connections, "Connections of each client")
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str();
     app.add_option("--seed", options.seed, "Decides where and when each client begins")->capture_default_str();
     app.add_option("--host-budget", arguments.host_budget, "Of each client")->capture_default_str();
     app.add_option("--gpu-budget", arguments.gpu_budget, "Of each client")->capture_default_str();
-    app.add_option("--threads", options.threads, "Threads that drive clients; 0 is one per processor")->check(CLI::Range(0, 1024));
+    app.add_option("--threads", options.threads, "Threads that drive clients; 0 is one per processor")
+        ->check(CLI::Range(0, 1024));
     app.add_option("--stats", arguments.stats, "Write the figures to this JSON file");
     app.add_flag("--json", arguments.json, "Print JSON instead of text");
     try {

@@ -26,7 +26,8 @@ Result<City> open_city(const std::string& file) {
     const auto kind = std::filesystem::status(file, error).type();
     if (kind == std::filesystem::file_type::not_found) return Error{fmt::format("{}: no such file", file)};
     if (kind == std::filesystem::file_type::directory) {
-        return Error{fmt::format("{}: a folder, not a .3tz archive (any static web server can serve an unpacked city)", file)};
+        return Error{
+            fmt::format("{}: a folder, not a .3tz archive (any static web server can serve an unpacked city)", file)};
     }
     auto archive = tiles::archive::ArchiveReader::open(file);
     if (!archive) return Error{fmt::format("{}: {}", file, archive.error().text())};
@@ -64,13 +65,15 @@ std::optional<CatalogEntry> City::find(std::string_view entry) const {
     const auto offset = static_cast<uint64_t>(bytes.data() - mapping);
     const auto found = std::lower_bound(entries.begin(), entries.end(), offset,
                                         [](const auto& e, uint64_t wanted) { return e.data_offset < wanted; });
-    const bool listed = mapping != nullptr && found != entries.end() && found->data_offset == offset && found->name == entry;
-    const uint64_t fingerprint =
-        listed ? found->crc32 : tiles::tileset::checksum_of(bytes.data(), bytes.size());
+    const bool listed =
+        mapping != nullptr && found != entries.end() && found->data_offset == offset && found->name == entry;
+    const uint64_t fingerprint = listed ? found->crc32 : tiles::tileset::checksum_of(bytes.data(), bytes.size());
     return CatalogEntry{bytes, fmt::format("\"{:08x}-{:x}\"", fingerprint, bytes.size())};
 }
 
-bool City::has_preview() const { return archive->find(tiles::tileset::kPreviewPath).data() != nullptr; }
+bool City::has_preview() const {
+    return archive->find(tiles::tileset::kPreviewPath).data() != nullptr;
+}
 
 Result<ArchiveCatalog> ArchiveCatalog::open(const std::vector<std::string>& files) {
     ArchiveCatalog catalog;

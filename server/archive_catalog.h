@@ -52,7 +52,8 @@ class ArchiveCatalog {
     std::vector<std::string> remarks_;
 };
 
-/// The name under which a file is served: its stem with every byte outside [A-Za-z0-9._-] turned into '-', never empty, never with a leading dot.
+/// The name under which a file is served: its stem with every byte outside [A-Za-z0-9._-] turned into '-', never empty,
+/// never with a leading dot.
 std::string url_name_of(std::string_view file);
 
 }  // namespace citystream::server

@@ -78,7 +78,8 @@ Result<std::string> decode_segment(std::string_view raw, uint64_t offset) {
     return decoded;
 }
 
-/// The path of the target: without scheme, authority and query. Empty when the form is none that a server of files answers.
+/// The path of the target: without scheme, authority and query. Empty when the form is none that a server of files
+/// answers.
 std::string_view path_of(std::string_view target) {
     for (const std::string_view scheme : {"http://", "https://"}) {
         if (!starts_with_ignoring_case(target, scheme)) continue;

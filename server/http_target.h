@@ -1,4 +1,5 @@
-// From the target of a request line to what it names: a pure function, the only place where a URL's text is interpreted.
+// From the target of a request line to what it names: a pure function, the only place where a URL's text is
+// interpreted.
 #pragma once
 
 #include <cstddef>
@@ -33,10 +34,11 @@ inline constexpr size_t kMaxTargetBytes = 4096;
 /// First path segments with a meaning of their own: no city may have such a name.
 bool is_reserved_name(std::string_view name);
 
-/// Accepts origin-form ("/a/b?query") and absolute-form ("http://host/a/b"); the query is ignored. Percent escapes are decoded once.
-/// Refused, with what is wrong and where: anything else, bad escapes, control characters and NUL, backslashes, encoded slashes, bytes that are
-/// not well-formed UTF-8 (overlong forms), the segments "." and "..", empty segments ("//"), fragments.
-/// Hence `city` and `entry` never begin with '/', never hold "..", and name nothing but an archive's entry. Safe for untrusted input; O(length).
+/// Accepts origin-form ("/a/b?query") and absolute-form ("http://host/a/b"); the query is ignored. Percent escapes are
+/// decoded once. Refused, with what is wrong and where: anything else, bad escapes, control characters and NUL,
+/// backslashes, encoded slashes, bytes that are not well-formed UTF-8 (overlong forms), the segments "." and "..",
+/// empty segments ("//"), fragments. Hence `city` and `entry` never begin with '/', never hold "..", and name nothing
+/// but an archive's entry. Safe for untrusted input; O(length).
 Result<HttpTarget> parse_http_target(std::string_view target);
 
 }  // namespace citystream::server

@@ -12,7 +12,8 @@
 
 namespace citystream::server {
 
-/// All calls may come from any thread; counters are independent relaxed atomics, so a reading is not a snapshot of one instant.
+/// All calls may come from any thread; counters are independent relaxed atomics, so a reading is not a snapshot of one
+/// instant.
 class Metrics {
   public:
     /// Index for requests that name no city (pages, unknown names, malformed requests).
@@ -42,8 +43,8 @@ class Metrics {
     /// Prometheus text exposition format 0.0.4.
     std::string text() const;
 
-    static constexpr std::array<double, 15> kLatencyBounds = {0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025,
-                                                              0.05,   0.1,     0.25,   0.5,   1,      2.5,   10};
+    static constexpr std::array<double, 15> kLatencyBounds = {
+        0.0001, 0.00025, 0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 10};
 
   private:
     using Counter = std::atomic<uint64_t>;

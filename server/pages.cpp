@@ -36,12 +36,23 @@ std::string escape_html(std::string_view text) {
     std::string out;
     for (const char c : text) {
         switch (c) {
-            case '&': out += "&amp;"; break;
-            case '<': out += "&lt;"; break;
-            case '>': out += "&gt;"; break;
-            case '"': out += "&quot;"; break;
-            case '\'': out += "&#39;"; break;
-            default: out += c;
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            case '\'':
+                out += "&#39;";
+                break;
+            default:
+                out += c;
         }
     }
     return out;
@@ -56,15 +67,20 @@ std::string grouped(uint64_t number) {
 /// [xmin, ymin, zmin, xmax, ymax, zmax] in metres of the CRS.
 std::array<double, 6> extent_of(const Manifest& m) {
     const double x = to_metres(m.origin.x), y = to_metres(m.origin.y);
-    return {m.extent.min[0] + x, m.extent.min[1] + y, m.extent.min[2], m.extent.max[0] + x, m.extent.max[1] + y, m.extent.max[2]};
+    return {m.extent.min[0] + x, m.extent.min[1] + y, m.extent.min[2],
+            m.extent.max[0] + x, m.extent.max[1] + y, m.extent.max[2]};
 }
 
-std::string title_of(const City& city) { return city.manifest.title.empty() ? city.name : city.manifest.title; }
+std::string title_of(const City& city) {
+    return city.manifest.title.empty() ? city.name : city.manifest.title;
+}
 
 std::string page(std::string_view title, std::string_view body) {
     return fmt::format(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-        "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\"><title>{}</title><style>{}</style></head>\n<body>\n{}</body></html>\n",
+        "<meta name=\"viewport\" "
+        "content=\"width=device-width,initial-scale=1\"><title>{}</title><style>{}</style></head>\n<body>\n{}</body></"
+        "html>\n",
         escape_html(title), kStyle, body);
 }
 
@@ -76,16 +92,19 @@ std::string layer_table(const City& city) {
         rows += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", kLayerNames[i],
                             human_bytes(m.wire_bytes[i]), human_bytes(m.decoded_bytes[i]));
     }
-    rows += fmt::format("<tr><td>archive</td><td class=\"n\">{}</td><td class=\"n\"></td></tr>\n", human_bytes(city.archive->file_size()));
-    return fmt::format("<table><tr><th>layer</th><th class=\"n\">stored</th><th class=\"n\">decoded</th></tr>\n{}</table>\n", rows);
+    rows += fmt::format("<tr><td>archive</td><td class=\"n\">{}</td><td class=\"n\"></td></tr>\n",
+                        human_bytes(city.archive->file_size()));
+    return fmt::format(
+        "<table><tr><th>layer</th><th class=\"n\">stored</th><th class=\"n\">decoded</th></tr>\n{}</table>\n", rows);
 }
 
 std::string facts(const City& city) {
     const Manifest& m = city.manifest;
     const auto e = extent_of(m);
     const std::string crs = m.epsg > 0 ? fmt::format("EPSG:{}", m.epsg) : "no CRS given";
-    return fmt::format("<p class=\"soft\">{} buildings, {} tiles on {} levels<br>{:.2f} km &times; {:.2f} km, {:.0f} m high, {}</p>\n",
-                       grouped(m.buildings), grouped(m.tiles), m.levels, (e[3] - e[0]) / 1000, (e[4] - e[1]) / 1000, e[5] - e[2], crs);
+    return fmt::format(
+        "<p class=\"soft\">{} buildings, {} tiles on {} levels<br>{:.2f} km &times; {:.2f} km, {:.0f} m high, {}</p>\n",
+        grouped(m.buildings), grouped(m.tiles), m.levels, (e[3] - e[0]) / 1000, (e[4] - e[1]) / 1000, e[5] - e[2], crs);
 }
 
 /// `base`: the relative URL of the city's folder as seen from the page ("" on its own page).
@@ -96,7 +115,8 @@ std::string card(const City& city, const std::string& base) {
             ? fmt::format("<img class=\"picture\" src=\"{}preview.png\" alt=\"View of {}\">", base, title)
             : std::string("<div class=\"picture none\">no picture in this archive</div>");
     const std::string heading = base.empty() ? title : fmt::format("<a href=\"{}\">{}</a>", base, title);
-    return fmt::format("<article>{}<div class=\"text\"><h2>{}</h2>\n{}{}</div></article>\n", picture, heading, facts(city), layer_table(city));
+    return fmt::format("<article>{}<div class=\"text\"><h2>{}</h2>\n{}{}</div></article>\n", picture, heading,
+                       facts(city), layer_table(city));
 }
 
 }  // namespace
@@ -114,8 +134,10 @@ std::string human_bytes(uint64_t bytes) {
 }
 
 std::string index_page(const std::vector<City>& cities) {
-    std::string body = "<h1>Cities on this server</h1>\n<p class=\"soft\">Streamed by citystream. "
-        "The same list for programs: <a href=\"cities.json\">cities.json</a>; <a href=\"metrics\">metrics</a>, <a href=\"healthz\">health</a>.</p>\n<main>\n";
+    std::string body =
+        "<h1>Cities on this server</h1>\n<p class=\"soft\">Streamed by citystream. "
+        "The same list for programs: <a href=\"cities.json\">cities.json</a>; <a href=\"metrics\">metrics</a>, <a "
+        "href=\"healthz\">health</a>.</p>\n<main>\n";
     for (const City& city : cities) body += card(city, city.name + "/");
     body += "</main>\n";
     return page("citystream", body);
@@ -136,7 +158,8 @@ std::string cities_json(const std::vector<City>& cities) {
         const Manifest& m = city.manifest;
         nlohmann::ordered_json layers = nlohmann::ordered_json::object();
         for (size_t i = 0; i < kLayerCount; ++i) {
-            if (m.has_layer[i]) layers[kLayerNames[i]] = {{"wire_bytes", m.wire_bytes[i]}, {"decoded_bytes", m.decoded_bytes[i]}};
+            if (m.has_layer[i])
+                layers[kLayerNames[i]] = {{"wire_bytes", m.wire_bytes[i]}, {"decoded_bytes", m.decoded_bytes[i]}};
         }
         nlohmann::ordered_json preview = nullptr;
         if (city.has_preview()) preview = fmt::format("/{}/preview.png", city.name);

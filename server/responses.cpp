@@ -23,7 +23,8 @@ std::string_view trimmed(std::string_view text) {
 
 /// Digits only; numbers beyond 64 bits become the largest one, which is beyond the end of everything.
 std::optional<uint64_t> parse_number(std::string_view text) {
-    if (text.empty() || !std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; })) return std::nullopt;
+    if (text.empty() || !std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; }))
+        return std::nullopt;
     uint64_t value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     return error == std::errc::result_out_of_range ? ~uint64_t{0} : value;
@@ -38,31 +39,51 @@ bool is_bytes_unit(std::string_view unit) {
 
 std::string_view reason_of(unsigned status) {
     switch (status) {
-        case 200: return "OK";
-        case 204: return "No Content";
-        case 206: return "Partial Content";
-        case 304: return "Not Modified";
-        case 308: return "Permanent Redirect";
-        case 400: return "Bad Request";
-        case 404: return "Not Found";
-        case 405: return "Method Not Allowed";
-        case 408: return "Request Timeout";
-        case 412: return "Precondition Failed";
-        case 413: return "Content Too Large";
-        case 414: return "URI Too Long";
-        case 416: return "Range Not Satisfiable";
-        case 431: return "Request Header Fields Too Large";
-        case 503: return "Service Unavailable";
-        case 505: return "HTTP Version Not Supported";
-        default: return "Status";
+        case 200:
+            return "OK";
+        case 204:
+            return "No Content";
+        case 206:
+            return "Partial Content";
+        case 304:
+            return "Not Modified";
+        case 308:
+            return "Permanent Redirect";
+        case 400:
+            return "Bad Request";
+        case 404:
+            return "Not Found";
+        case 405:
+            return "Method Not Allowed";
+        case 408:
+            return "Request Timeout";
+        case 412:
+            return "Precondition Failed";
+        case 413:
+            return "Content Too Large";
+        case 414:
+            return "URI Too Long";
+        case 416:
+            return "Range Not Satisfiable";
+        case 431:
+            return "Request Header Fields Too Large";
+        case 503:
+            return "Service Unavailable";
+        case 505:
+            return "HTTP Version Not Supported";
+        default:
+            return "Status";
     }
 }
 
 std::string_view cache_control_of(CachePolicy policy) {
     switch (policy) {
-        case CachePolicy::kImmutable: return "public, max-age=31536000, immutable";
-        case CachePolicy::kRevalidate: return "public, max-age=0, must-revalidate";
-        case CachePolicy::kNone: break;
+        case CachePolicy::kImmutable:
+            return "public, max-age=31536000, immutable";
+        case CachePolicy::kRevalidate:
+            return "public, max-age=0, must-revalidate";
+        case CachePolicy::kNone:
+            break;
     }
     return "no-store";
 }
@@ -72,7 +93,8 @@ class Head {
   public:
     Head(unsigned status, std::string_view date) {
         text_.reserve(640);
-        fmt::format_to(std::back_inserter(text_), "HTTP/1.1 {} {}\r\nServer: citystream\r\nDate: {}\r\n", status, reason_of(status), date);
+        fmt::format_to(std::back_inserter(text_), "HTTP/1.1 {} {}\r\nServer: citystream\r\nDate: {}\r\n", status,
+                       reason_of(status), date);
         add("Access-Control-Allow-Origin", "*");
         add("Access-Control-Expose-Headers", "Accept-Ranges, Content-Length, Content-Range, ETag");
         add("Cross-Origin-Resource-Policy", "cross-origin");
@@ -112,8 +134,8 @@ struct Context {
     bool close;
 };
 
-Response answer_with_line(const Context& context, unsigned status, std::string_view message, std::string_view extra_name = {},
-                          std::string_view extra_value = {}) {
+Response answer_with_line(const Context& context, unsigned status, std::string_view message,
+                          std::string_view extra_name = {}, std::string_view extra_value = {}) {
     Response response;
     response.status = status;
     response.close = context.close;
@@ -164,7 +186,8 @@ Response answer_with_bytes(const Context& context, Representation source, const 
     Head head(response.status, context.date);
     head.add("Content-Type", source.content_type);
     head.add("Content-Length", part.length);
-    if (response.status == 206) head.add("Content-Range", fmt::format("bytes {}-{}/{}", part.first, part.first + part.length - 1, size));
+    if (response.status == 206)
+        head.add("Content-Range", fmt::format("bytes {}-{}/{}", part.first, part.first + part.length - 1, size));
     add_validators(head, source);
     if (source.content_type.starts_with("text/html")) {
         head.add("Content-Security-Policy", "default-src 'none'; img-src 'self'; style-src 'unsafe-inline'");
@@ -183,17 +206,20 @@ Response answer_representation(const Context& context, Representation source) {
     if (!request.if_match.empty() && !etag_listed(request.if_match, source.etag, false)) {
         return answer_with_line(context, 412, "the entry is another one than If-Match names");
     }
-    if (!request.if_none_match.empty() && !source.etag.empty() && etag_listed(request.if_none_match, source.etag, true)) {
+    if (!request.if_none_match.empty() && !source.etag.empty() &&
+        etag_listed(request.if_none_match, source.etag, true)) {
         return answer_not_modified(context, std::move(source));
     }
     RangeChoice range;
-    const bool same_entity = request.if_range.empty() || (!source.etag.empty() && trimmed(request.if_range) == source.etag);
+    const bool same_entity =
+        request.if_range.empty() || (!source.etag.empty() && trimmed(request.if_range) == source.etag);
     if (source.ranges && request.method == Method::kGet && same_entity) {
         range = choose_range(request.range, source.body().size());
     }
     if (range.kind == RangeKind::kUnsatisfiable) {
         const std::string content_range = fmt::format("bytes */{}", source.body().size());
-        return answer_with_line(context, 416, fmt::format("the entry has only {} bytes", source.body().size()), "Content-Range", content_range);
+        return answer_with_line(context, 416, fmt::format("the entry has only {} bytes", source.body().size()),
+                                "Content-Range", content_range);
     }
     return answer_with_bytes(context, std::move(source), range);
 }
@@ -206,7 +232,8 @@ Response answer_target(const Context& context, const Site& site) {
     if (auto* source = std::get_if<Representation>(&lookup.what)) {
         response = answer_representation(context, std::move(*source));
     } else if (const auto* redirect = std::get_if<Redirect>(&lookup.what)) {
-        response = answer_with_line(context, 308, "the city's page is at " + redirect->location, "Location", redirect->location);
+        response = answer_with_line(context, 308, "the city's page is at " + redirect->location, "Location",
+                                    redirect->location);
     } else {
         response = answer_with_line(context, 404, std::get<NotFound>(lookup.what).message);
     }
@@ -257,11 +284,15 @@ Response respond(const RequestFields& request, const Site& site, std::string_vie
     if (request.has_body) {
         // The body is never read, so what follows it on this connection cannot be told from it.
         context.close = true;
-        if (request.method != Method::kOther) return answer_with_line(context, 413, "this server takes no request bodies");
+        if (request.method != Method::kOther)
+            return answer_with_line(context, 413, "this server takes no request bodies");
     }
-    if (!request.http_1_0 && !request.has_host) return answer_with_line(context, 400, "an HTTP/1.1 request needs one Host field");
-    if (request.method == Method::kOther) return answer_with_line(context, 405, "only GET, HEAD and OPTIONS are answered", "Allow", kAllow);
-    if (request.target.size() > kMaxTargetBytes) return answer_with_line(context, 414, "the request target is too long");
+    if (!request.http_1_0 && !request.has_host)
+        return answer_with_line(context, 400, "an HTTP/1.1 request needs one Host field");
+    if (request.method == Method::kOther)
+        return answer_with_line(context, 405, "only GET, HEAD and OPTIONS are answered", "Allow", kAllow);
+    if (request.target.size() > kMaxTargetBytes)
+        return answer_with_line(context, 414, "the request target is too long");
     if (request.method == Method::kOptions) return answer_preflight(context);
     return answer_target(context, site);
 }
@@ -280,8 +311,9 @@ std::string http_date(int64_t unix_seconds) {
     const auto time = static_cast<std::time_t>(unix_seconds);
     std::tm parts{};
     gmtime_r(&time, &parts);
-    return fmt::format("{}, {:02} {} {} {:02}:{:02}:{:02} GMT", kDays[static_cast<size_t>(parts.tm_wday)], parts.tm_mday,
-                       kMonths[static_cast<size_t>(parts.tm_mon)], 1900 + parts.tm_year, parts.tm_hour, parts.tm_min, parts.tm_sec);
+    return fmt::format("{}, {:02} {} {} {:02}:{:02}:{:02} GMT", kDays[static_cast<size_t>(parts.tm_wday)],
+                       parts.tm_mday, kMonths[static_cast<size_t>(parts.tm_mon)], 1900 + parts.tm_year, parts.tm_hour,
+                       parts.tm_min, parts.tm_sec);
 }
 
 }  // namespace citystream::server

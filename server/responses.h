@@ -1,4 +1,5 @@
-// From the parts of a request that matter to the answer's head and body. Pure: no sockets, no clock; the body stays where it lies (zero copies).
+// From the parts of a request that matter to the answer's head and body. Pure: no sockets, no clock; the body stays
+// where it lies (zero copies).
 #pragma once
 
 #include <cstddef>
@@ -29,11 +30,11 @@ struct RequestFields {
 struct Response {
     unsigned status = 200;
     std::string head;
-    Representation source;             ///< keeps an owned body alive
-    uint64_t body_offset = 0;          ///< of the part of the source to send
-    uint64_t body_size = 0;            ///< 0 for HEAD, 204, 304
+    Representation source;     ///< keeps an owned body alive
+    uint64_t body_offset = 0;  ///< of the part of the source to send
+    uint64_t body_size = 0;    ///< 0 for HEAD, 204, 304
     bool close = false;
-    size_t city = Metrics::kNoCity;    ///< for the metrics
+    size_t city = Metrics::kNoCity;  ///< for the metrics
 
     std::span<const std::byte> body() const { return source.body().subspan(body_offset, body_size); }
 };
@@ -45,7 +46,8 @@ struct ByteRange {
 };
 
 enum class RangeKind : uint8_t {
-    kWhole,          ///< no range, not bytes, malformed, or several ranges: the whole entity is sent (RFC 9110 lets a server ignore Range)
+    kWhole,  ///< no range, not bytes, malformed, or several ranges: the whole entity is sent (RFC 9110 lets a server
+             ///< ignore Range)
     kPart,
     kUnsatisfiable,  ///< begins beyond the end, or asks for the last 0 bytes: 416
 };
@@ -55,13 +57,16 @@ struct RangeChoice {
     ByteRange part;
 };
 
-/// Parses the value of a Range field ("bytes=a-b", "bytes=a-", "bytes=-n") against an entity of `size` bytes. Safe for untrusted input.
+/// Parses the value of a Range field ("bytes=a-b", "bytes=a-", "bytes=-n") against an entity of `size` bytes. Safe for
+/// untrusted input.
 RangeChoice choose_range(std::string_view field, uint64_t size);
 
-/// Whether a list of entity tags ("*" or comma-separated) names `etag`. Weak comparison ignores "W/" (If-None-Match), strong refuses it (If-Match).
+/// Whether a list of entity tags ("*" or comma-separated) names `etag`. Weak comparison ignores "W/" (If-None-Match),
+/// strong refuses it (If-Match).
 bool etag_listed(std::string_view field, std::string_view etag, bool weak);
 
-/// The answer to a request. `date`: value of the Date field (IMF-fixdate). `stopping`: the server winds down, so the connection ends after this answer.
+/// The answer to a request. `date`: value of the Date field (IMF-fixdate). `stopping`: the server winds down, so the
+/// connection ends after this answer.
 Response respond(const RequestFields& request, const Site& site, std::string_view date, bool stopping);
 
 /// The answer to something that is no request, or that cannot be taken now: one line of text, then the connection ends.

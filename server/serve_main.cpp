@@ -67,7 +67,8 @@ int serve(const Arguments& arguments) {
     if (!running) return fail(running.error().text(), 1);
     (*running)->stop_on_signals();
     if ((*running)->max_connections() < arguments.max_connections) {
-        fmt::print(stderr, "citystream-serve: only {} connections fit the limit of open files (raise it with ulimit -n)\n",
+        fmt::print(stderr,
+                   "citystream-serve: only {} connections fit the limit of open files (raise it with ulimit -n)\n",
                    (*running)->max_connections());
     }
     announce(**running, names, arguments.json);
@@ -89,10 +90,13 @@ int main(int argc, char** argv) {
     CLI::App app{"Serves city archives (3TZ) over HTTP.", "citystream-serve"};
     app.footer(kExamples);
     app.set_version_flag("--version", std::string("citystream-serve " CITYSTREAM_VERSION));
-    app.add_option("CITY.3tz", arguments.archives, "Archives to serve, each under /NAME/ (NAME: the file's stem)")->required();
+    app.add_option("CITY.3tz", arguments.archives, "Archives to serve, each under /NAME/ (NAME: the file's stem)")
+        ->required();
     app.add_option("--listen", arguments.listen, "Address and port; port 0 takes any free one")->capture_default_str();
-    app.add_option("--threads", arguments.threads, "Worker threads; 0 is one per processor")->check(CLI::Range(0, 1024));
-    app.add_option("--idle-timeout", arguments.idle_timeout, "Longest wait for a request's head or for progress of an answer")
+    app.add_option("--threads", arguments.threads, "Worker threads; 0 is one per processor")
+        ->check(CLI::Range(0, 1024));
+    app.add_option("--idle-timeout", arguments.idle_timeout,
+                   "Longest wait for a request's head or for progress of an answer")
         ->capture_default_str();
     app.add_option("--max-connections", arguments.max_connections, "Connections beyond this are answered with 503")
         ->check(CLI::Range(1, 1'000'000))

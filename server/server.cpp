@@ -56,7 +56,8 @@ uint32_t fit_connections(uint32_t wanted) {
     return limit.rlim_cur > spare ? static_cast<uint32_t>(limit.rlim_cur - spare) : 1;
 }
 
-/// One thread with an event loop of its own. A connection stays on the worker that it was given to, so sessions need no locks.
+/// One thread with an event loop of its own. A connection stays on the worker that it was given to, so sessions need no
+/// locks.
 class Worker {
   public:
     Worker(const Site& site, Metrics& metrics, const ServerOptions& options)
@@ -78,7 +79,9 @@ class Worker {
             return;
         }
         auto session = std::make_shared<Session>(std::move(socket), home_);
-        const auto done = [session, &counted](const std::exception_ptr&) { counted.fetch_sub(1, std::memory_order_relaxed); };
+        const auto done = [session, &counted](const std::exception_ptr&) {
+            counted.fetch_sub(1, std::memory_order_relaxed);
+        };
         net::co_spawn(context_, welcome ? session->serve() : session->turn_away(), done);
     }
 
@@ -127,8 +130,11 @@ class Worker {
 class AsioServer final : public Server {
   public:
     AsioServer(ArchiveCatalog catalog, const ServerOptions& options)
-        : metrics_(labels_of(catalog)), site_(std::move(catalog), metrics_), max_connections_(fit_connections(options.max_connections)) {
-        const uint32_t threads = options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
+        : metrics_(labels_of(catalog)),
+          site_(std::move(catalog), metrics_),
+          max_connections_(fit_connections(options.max_connections)) {
+        const uint32_t threads =
+            options.threads > 0 ? options.threads : std::max(1u, std::thread::hardware_concurrency());
         for (uint32_t i = 0; i < threads; ++i) workers_.push_back(std::make_unique<Worker>(site_, metrics_, options));
     }
     ~AsioServer() override {
@@ -146,7 +152,8 @@ class AsioServer final : public Server {
     uint16_t port() const override { return endpoint_.port(); }
     std::string url() const override {
         const std::string host = endpoint_.address().to_string();
-        return endpoint_.address().is_v6() ? fmt::format("http://[{}]:{}", host, port()) : fmt::format("http://{}:{}", host, port());
+        return endpoint_.address().is_v6() ? fmt::format("http://[{}]:{}", host, port())
+                                           : fmt::format("http://{}:{}", host, port());
     }
     uint32_t max_connections() const override { return max_connections_; }
     ServerSummary summary() const override { return {metrics_.requests(), metrics_.sent_bytes()}; }

@@ -21,8 +21,9 @@ struct ListenAddress {
 
 struct ServerOptions {
     ListenAddress listen = {};
-    uint32_t threads = 0;             ///< 0: one per processor
-    std::chrono::milliseconds idle_timeout{30000};  ///< for a whole request head to arrive, and for each piece of an answer to be taken
+    uint32_t threads = 0;  ///< 0: one per processor
+    std::chrono::milliseconds idle_timeout{
+        30000};  ///< for a whole request head to arrive, and for each piece of an answer to be taken
     uint32_t max_connections = 4096;  ///< one more is answered with 503; lowered to what the process may open
     size_t max_head_bytes = 16 * 1024;
     std::chrono::milliseconds shutdown_grace{5000};  ///< how long answers under way may take once stopping

@@ -26,10 +26,14 @@ constexpr size_t kPipelineBytes = 16 * 1024;
 
 Method method_of(http::verb verb) {
     switch (verb) {
-        case http::verb::get: return Method::kGet;
-        case http::verb::head: return Method::kHead;
-        case http::verb::options: return Method::kOptions;
-        default: return Method::kOther;
+        case http::verb::get:
+            return Method::kGet;
+        case http::verb::head:
+            return Method::kHead;
+        case http::verb::options:
+            return Method::kOptions;
+        default:
+            return Method::kOther;
     }
 }
 
@@ -185,7 +189,8 @@ net::awaitable<bool> Session::send(const Response& response, Clock::time_point r
         parts[1] += count - of_head;
     }
     const double seconds = std::chrono::duration<double>(Clock::now() - received).count();
-    home_.metrics.count_request(response.city, response.status, body.size(), response.head.size() + body.size(), seconds);
+    home_.metrics.count_request(response.city, response.status, body.size(), response.head.size() + body.size(),
+                                seconds);
     co_return true;
 }
 

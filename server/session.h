@@ -69,7 +69,8 @@ class Session : public std::enable_shared_from_this<Session> {
     boost::asio::awaitable<void> answer_read_error(boost::system::error_code error, bool head_began);
     /// Writes an answer and counts it; false when the peer did not take it.
     boost::asio::awaitable<bool> send(const Response& response, Clock::time_point received);
-    /// Closes our side, then reads and drops what the peer still sends for a moment, so that our last bytes are not lost to a reset.
+    /// Closes our side, then reads and drops what the peer still sends for a moment, so that our last bytes are not
+    /// lost to a reset.
     boost::asio::awaitable<void> linger();
     void set_deadline(Phase phase, Clock::duration allowance);
 

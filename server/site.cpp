@@ -86,16 +86,22 @@ Lookup Site::find_entry(const HttpTarget& target, size_t city) const {
 
 Lookup Site::find(const HttpTarget& target) const {
     switch (target.kind) {
-        case TargetKind::kIndex: return {show(index_, kHtml)};
-        case TargetKind::kCities: return {show(cities_, kJson)};
-        case TargetKind::kHealth: return {live_text("ok\n", kText)};
-        case TargetKind::kMetrics: return {live_text(metrics_.text(), "text/plain; version=0.0.4; charset=utf-8")};
+        case TargetKind::kIndex:
+            return {show(index_, kHtml)};
+        case TargetKind::kCities:
+            return {show(cities_, kJson)};
+        case TargetKind::kHealth:
+            return {live_text("ok\n", kText)};
+        case TargetKind::kMetrics:
+            return {live_text(metrics_.text(), "text/plain; version=0.0.4; charset=utf-8")};
         case TargetKind::kCityRedirect:
         case TargetKind::kCityPage:
-        case TargetKind::kEntry: break;
+        case TargetKind::kEntry:
+            break;
     }
     const auto city = catalog_.find(target.city);
-    if (!city) return {NotFound{fmt::format("no city is called {}; /cities.json lists those that are here", target.city)}};
+    if (!city)
+        return {NotFound{fmt::format("no city is called {}; /cities.json lists those that are here", target.city)}};
     if (target.kind == TargetKind::kCityRedirect) return {Redirect{target.city + "/"}, *city};
     if (target.kind == TargetKind::kCityPage) return {show(city_pages_[*city], kHtml), *city};
     return find_entry(target, *city);

@@ -1,4 +1,5 @@
-// Everything a server can answer with: the catalog's entries, the pages made from it, and live metrics. From a parsed target to a representation.
+// Everything a server can answer with: the catalog's entries, the pages made from it, and live metrics. From a parsed
+// target to a representation.
 #pragma once
 
 #include <cstddef>
@@ -27,9 +28,9 @@ struct Representation {
     std::span<const std::byte> bytes;  ///< points into a mapping, a page of the site, or `owned`
     std::string owned;                 ///< bytes made for this answer
     std::string_view content_type;
-    std::string etag;                  ///< quoted and strong, or empty
+    std::string etag;  ///< quoted and strong, or empty
     CachePolicy cache = CachePolicy::kNone;
-    bool ranges = false;               ///< byte ranges may be asked for
+    bool ranges = false;  ///< byte ranges may be asked for
 
     std::span<const std::byte> body() const { return owned.empty() ? bytes : std::as_bytes(std::span(owned)); }
 };
@@ -50,7 +51,8 @@ struct Lookup {
 /// Media type by the ending of an entry's name; never a type that a browser would run.
 std::string_view content_type_of(std::string_view entry);
 
-/// Tiles' content is immutable under its name; the directory (tileset.json, subtrees, index of facade maps) and pictures are revalidated.
+/// Tiles' content is immutable under its name; the directory (tileset.json, subtrees, index of facade maps) and
+/// pictures are revalidated.
 CachePolicy cache_policy_of(std::string_view entry);
 
 /// Immutable after construction but for the metrics it shows; any thread may look up.

@@ -36,17 +36,18 @@ uvec2 load_block(uvec2 atlas, uint blocks, int blocks_across, ivec2 block) {
     return uvec2(layer_word(atlas, word), layer_word(atlas, word + 1u));
 }
 
-ivec3 expand_565(uint c) {
-    ivec3 v = ivec3(c >> 11, c >> 5 & 63u, c & 31u);
-    return ivec3(v.r << 3 | v.r >> 2, v.g << 2 | v.g >> 4, v.b << 3 | v.b >> 2);
+// A 5:6:5 colour with 8 bits a channel, ten bits apart: r | g << 10 | b << 20. Sums of three such colours still fit side by side.
+uint expand_565(uint c) {
+    uint high = c >> 8 & 0xf8u | (c & 0x7e0u) << 7 | (c & 0x1fu) << 23;
+    return high | high >> 5 & 0x00700007u | high >> 6 & 0x00000c00u;
 }
 
 // 0..255 a channel: c0, c1, (2 c0 + c1 + 1) / 3, (c0 + 2 c1 + 1) / 3.
 ivec3 bc1_texel(uvec2 block, uint i) {
     uint code = block.y >> (2u * i) & 3u;
-    int thirds = code < 2u ? int(code) * 3 : int(code) - 1;
-    ivec3 sum = expand_565(block.x & 0xffffu) * (3 - thirds) + expand_565(block.x >> 16) * thirds + 1;
-    return sum * 21846 >> 16;  // sum / 3, exact up to 766
+    uint thirds = code < 2u ? code * 3u : code - 1u;
+    uint sum = expand_565(block.x & 0xffffu) * (3u - thirds) + expand_565(block.x >> 16) * thirds + 0x00100401u;
+    return ivec3(sum & 1023u, sum >> 10 & 1023u, sum >> 20) * 21846 >> 16;  // sum / 3, exact up to 766
 }
 
 ivec3 block_texel(uvec2 block, ivec2 texel) { return bc1_texel(block, uint((texel.y & 3) << 2 | texel.x & 3)); }

@@ -5,7 +5,7 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 
 #include "shaders/atlas_sample.glsl"
-#include "shaders/draw_records.glsl"
+#include "shaders/draw_constants.glsl"
 #include "shaders/facade_cast.glsl"
 #include "shaders/facade_margin.glsl"
 #include "shaders/lighting.glsl"
@@ -34,13 +34,13 @@ vec3 hit_normal(FacadeHit hit) {
     return vec3(along_direction.y, -along_direction.x, 0.0) * hit.side;
 }
 
-vec3 hit_texel(TileReference tile, uint slot, vec2 at, vec2 dx, vec2 dy) {
-    uvec2 facade = layer_reference(tile.record.facade);
+vec3 hit_texel(uint slot, vec2 at, vec2 dx, vec2 dy) {
+    uvec2 facade = layer_reference(constants.tile.facade);
     uint entry = data_words.y + slot * FACADE_PALETTE_ENTRY_WORDS;
     float metres_per_repeat = uintBitsToFloat(layer_word(facade, entry + 1u));
     float repeats_per_texel = metres_per_repeat > 0.0 ? 0.01 / metres_per_repeat : 0.0;
-    uvec2 atlas = layer_reference(tile.record.atlas);
-    return sample_chart(atlas, atlas_chart(atlas, layer_word(facade, entry)), tile.record.atlas_finest_mip,
+    uvec2 atlas = layer_reference(constants.tile.atlas);
+    return sample_chart(atlas, atlas_chart(atlas, layer_word(facade, entry)), constants.tile.atlas_finest_mip,
                         at * repeats_per_texel, dx * repeats_per_texel, dy * repeats_per_texel);
 }
 
@@ -52,17 +52,18 @@ void main() {
     // Counted from the box's back, where coordinates are small and exact, towards the camera at t = -1.
     FacadeHit hit = cast_facade_ray(map, place, ray, -1.0, kEdgeMargin);
     float distance = (1.0 + hit.t) / gl_FragCoord.w;
-    float near_plane = frame_reference().record.near_plane;
+    float near_plane = constants.frame.near_plane;
     if (!hit.hit || distance < near_plane) discard;
     vec3 at = place + hit.t * ray;
     gl_FragDepth = near_plane / distance * (hit.at_edge && at.z <= 0.0 ? kEdgeYields : 1.0);
 
-    TileReference tile = tile_reference();
     vec3 texel = kUntexturedColour;
-    if ((tile.record.flags & DRAW_HAS_ATLAS) != 0u) {
+    if (has_atlas()) {
         vec3 dx = hit_gradient(ray, ray_dx, hit.axis, 1.0 + hit.t);
         vec3 dy = hit_gradient(ray, ray_dy, hit.axis, 1.0 + hit.t);
-        texel = hit_texel(tile, hit.label >> 16, at.xy, dx.xy, dy.xy);
+        // Hits in the margin show the facade's rim.
+        vec2 on_wall = clamp(at.xy, vec2(0.0), vec2(map.size & 0xffffu, map.size >> 16));
+        texel = hit_texel(hit.label >> 16, on_wall, dx.xy, dy.xy);
     }
     colour = lit(texel, hit_normal(hit));
 }

@@ -4,7 +4,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 
-#include "shaders/draw_records.glsl"
+#include "shaders/draw_constants.glsl"
 #include "shaders/facade_cast.glsl"
 #include "shaders/facade_margin.glsl"
 
@@ -16,16 +16,16 @@ layout(location = 4) flat out uvec2 data_words;      // cell data of the map; pa
 layout(location = 5) flat out vec2 depths;
 layout(location = 6) flat out vec2 along_direction;
 
-uvec2 find_map(TileReference tile, uint map) {
-    FacadeMapTable table = FacadeMapTable(layer_reference(tile.record.facade_maps));
+uvec2 find_map(uint map) {
+    FacadeMapTable table = FacadeMapTable(layer_reference(constants.tile.facade_maps));
     uint low = 0u;
-    uint high = tile.record.facade_map_count;
+    uint high = constants.tile.facade_map_count;
     while (low < high) {
         uint middle = (low + high) >> 1;
         if (table.entry[middle].map < map) low = middle + 1u;
         else high = middle;
     }
-    if (low == tile.record.facade_map_count || table.entry[low].map != map) return uvec2(0u);
+    if (low == constants.tile.facade_map_count || table.entry[low].map != map) return uvec2(0u);
     return layer_reference(table.entry[low].layer);
 }
 
@@ -38,13 +38,11 @@ void hide() {
 }
 
 void main() {
-    FrameReference frame = frame_reference();
-    TileReference tile = tile_reference();
-    uvec2 facade = layer_reference(tile.record.facade);
+    uvec2 facade = layer_reference(constants.tile.facade);
     uint at = layer_word(facade, FACADE_LAYER_WORD_PLACEMENTS) + uint(gl_InstanceIndex) * FACADE_PLACEMENT_WORDS;
     ivec2 along = ivec2(layer_word(facade, at + FACADE_PLACEMENT_ALONG_X), layer_word(facade, at + FACADE_PLACEMENT_ALONG_Y));
     float height = float(layer_word(facade, at + FACADE_PLACEMENT_HEIGHT)) * kMetresPerGridUnit;
-    uvec2 layer = find_map(tile, layer_word(facade, at + FACADE_PLACEMENT_MAP));
+    uvec2 layer = find_map(layer_word(facade, at + FACADE_PLACEMENT_MAP));
     if (layer == uvec2(0u) || along == ivec2(0) || height == 0.0) {
         hide();
         return;
@@ -61,10 +59,10 @@ void main() {
     along_direction = along_metres / width;
     vec2 outwards = vec2(along_direction.y, -along_direction.x);
     vec2 size = vec2(map.size & 0xffffu, map.size >> 16);
-    ivec3 origin = ivec3(tile.record.origin[0], tile.record.origin[1], tile.record.origin[2]) +
+    ivec3 origin = tile_origin() +
                    ivec3(layer_word(facade, at + FACADE_PLACEMENT_ORIGIN_X), layer_word(facade, at + FACADE_PLACEMENT_ORIGIN_Y),
                          layer_word(facade, at + FACADE_PLACEMENT_ORIGIN_Z));
-    vec3 corner = camera_relative_metres(origin, frame);
+    vec3 corner = camera_relative_metres(origin);
     camera = vec3(-dot(corner.xy, along_direction) / width * size.x, -corner.z / height * size.y, -dot(corner.xy, outwards) * 1000.0);
 
     vec3 low = vec3(vec2(-kEdgeMargin), map.depths.x - kDepthMargin);
@@ -72,5 +70,5 @@ void main() {
     place = vec3((gl_VertexIndex & 1) != 0 ? high.x : low.x, (gl_VertexIndex & 2) != 0 ? high.y : low.y,
                  (gl_VertexIndex & 4) != 0 ? high.z : low.z);
     vec3 metres = corner + vec3(along_metres * (place.x / size.x) + outwards * (place.z * 0.001), height * (place.y / size.y));
-    gl_Position = project(metres, frame);
+    gl_Position = project(metres);
 }

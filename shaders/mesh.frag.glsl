@@ -5,7 +5,7 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 
 #include "shaders/atlas_sample.glsl"
-#include "shaders/draw_records.glsl"
+#include "shaders/draw_constants.glsl"
 #include "shaders/lighting.glsl"
 
 layout(location = 0) in vec3 normal;
@@ -17,11 +17,10 @@ layout(location = 0) out vec4 colour;
 void main() {
     vec2 dx = dFdx(texcoord);
     vec2 dy = dFdy(texcoord);
-    TileReference tile = tile_reference();
     vec3 texel = kUntexturedColour;
-    if ((tile.record.flags & DRAW_HAS_ATLAS) != 0u) {
+    if (has_atlas()) {
         AtlasChart chart = AtlasChart(chart_words.x, chart_words.y, chart_words.z, chart_words.w);
-        texel = sample_chart(layer_reference(tile.record.atlas), chart, tile.record.atlas_finest_mip, texcoord, dx, dy);
+        texel = sample_chart(layer_reference(constants.tile.atlas), chart, constants.tile.atlas_finest_mip, texcoord, dx, dy);
     }
     colour = lit(texel, normalize(normal));
 }

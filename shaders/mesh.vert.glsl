@@ -5,7 +5,7 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 
 #include "shaders/atlas_sample.glsl"
-#include "shaders/draw_records.glsl"
+#include "shaders/draw_constants.glsl"
 #include "shaders/mesh_fetch.glsl"
 
 layout(location = 0) out vec3 normal;
@@ -13,23 +13,21 @@ layout(location = 1) out vec2 texcoord;
 layout(location = 2) flat out uvec4 chart_words;
 
 void main() {
-    FrameReference frame = frame_reference();
-    TileReference tile = tile_reference();
-    uvec2 mesh = layer_reference(tile.record.mesh);
+    uvec2 mesh = layer_reference(constants.tile.mesh);
     uint widths = layer_word(mesh, MESH_WORD_WIDTHS);
     uint corner = uint(gl_VertexIndex);
     uint vertex = mesh_index(mesh, widths, corner);
 
-    ivec3 position = mesh_position(mesh, widths, tile.record.mesh_steps, tile.record.mesh_step_begin, vertex);
-    ivec3 origin = ivec3(tile.record.origin[0], tile.record.origin[1], tile.record.origin[2]);
-    gl_Position = project(camera_relative_metres(origin + position, frame), frame);
+    ivec3 position = mesh_position(mesh, widths, constants.tile.mesh_steps, constants.tile.mesh_step_begin, vertex);
+    ivec3 origin = tile_origin();
+    gl_Position = project(camera_relative_metres(origin + position));
     normal = normalize(vec3(unfold_octahedral16(mesh_packed_normal(mesh, vertex))));
 
     texcoord = vec2(0.0);
     chart_words = uvec4(0u);
-    if ((tile.record.flags & DRAW_HAS_ATLAS) != 0u) {
+    if (has_atlas()) {
         uint entry = mesh_chart_entry(mesh, widths, corner / 3u);
-        AtlasChart chart = atlas_chart(layer_reference(tile.record.atlas), layer_word(mesh, entry + MESH_CHART_ATLAS));
+        AtlasChart chart = atlas_chart(layer_reference(constants.tile.atlas), layer_word(mesh, entry + MESH_CHART_ATLAS));
         // Whole repeats of a repeated chart are left out, the same for all three corners: floats keep their bits for the fraction.
         ivec2 base = ivec2(layer_word(mesh, entry + MESH_CHART_BASE_U), layer_word(mesh, entry + MESH_CHART_BASE_V));
         ivec2 repeats = base & ~0xffff;

@@ -1,6 +1,9 @@
 // citystream-build: a city model to one archive; see README.md for its calls.
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include <atomic>
 #include <csignal>
@@ -9,7 +12,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <unistd.h>
+#include <sstream>
 
 #include "tiles/city/city_input.h"
 #include "tiles/city/generator.h"
@@ -26,7 +29,9 @@ constexpr size_t kDefectsShown = 20;
 
 std::atomic<bool> interrupted = false;
 
-extern "C" void on_signal(int /*signal*/) { interrupted = true; }
+extern "C" void on_signal(int /*signal*/) {
+    interrupted = true;
+}
 
 struct Arguments {
     std::vector<std::string> inputs;
@@ -36,6 +41,12 @@ struct Arguments {
     std::string origin = "0,0";
     bool json = false;
 };
+
+/// An error about a file, which its text may or may not name.
+std::string about(const std::string& path, const Error& error) {
+    const std::string text = error.text();
+    return text.starts_with(path) ? text : path + ": " + text;
+}
 
 int fail(const std::string& what) {
     fmt::print(stderr, "citystream-build: {}\n", what);
@@ -106,10 +117,14 @@ class ProgressBar {
 nlohmann::json report_json(const city::CityReport& report) {
     nlohmann::json defects = nlohmann::json::array();
     for (const city::Defect& defect : report.defects) {
-        defects.push_back({{"feature", defect.feature}, {"what", defect.what}, {"where", defect.where}, {"dropped", defect.dropped_feature}});
+        defects.push_back({{"feature", defect.feature},
+                           {"what", defect.what},
+                           {"where", defect.where},
+                           {"dropped", defect.dropped_feature}});
     }
-    return {{"features_read", report.features_read}, {"objects", report.objects_emitted}, {"buildings", report.buildings_emitted},
-            {"triangles", report.triangles_emitted}, {"defect_count", report.defect_count}, {"defects", std::move(defects)},
+    return {{"features_read", report.features_read},      {"objects", report.objects_emitted},
+            {"buildings", report.buildings_emitted},      {"triangles", report.triangles_emitted},
+            {"defect_count", report.defect_count},        {"defects", std::move(defects)},
             {"dropped_features", report.dropped_features}};
 }
 
@@ -124,7 +139,8 @@ void print_defects(const city::CityReport& report) {
     if (report.defect_count == 0) return;
     for (size_t i = 0; i < std::min(kDefectsShown, report.defects.size()); ++i) {
         const city::Defect& d = report.defects[i];
-        fmt::print(stderr, "{}: {} ({}){}\n", d.dropped_feature ? "skipped" : "repaired", d.what, d.feature, d.where.empty() ? "" : " at " + d.where);
+        fmt::print(stderr, "{}: {} ({}){}\n", d.dropped_feature ? "skipped" : "defect", d.what, d.feature,
+                   d.where.empty() ? "" : " at " + d.where);
     }
     fmt::print(stderr, "{} defects, {} features skipped{}\n", report.defect_count, report.dropped_features.size(),
                report.defect_count > kDefectsShown ? " (all of them: --report FILE.json)" : "");
@@ -143,12 +159,15 @@ void print_summary(const layers::BuildSummary& summary, const Arguments& argumen
         fmt::print("{}\n", out.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
         return;
     }
-    fmt::print("{}: {} buildings, {} triangles, {} facades, {} tiles in {} levels\n", arguments.output, m.buildings, m.triangles, m.facades, m.tiles, m.levels);
+    fmt::print("{}: {} buildings, {} triangles, {} facades, {} tiles in {} levels\n", arguments.output, m.buildings,
+               m.triangles, m.facades, m.tiles, m.levels);
     for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
         if (!m.has_layer[layer]) continue;
-        fmt::print("  {:<8} {:>12} bytes on the wire, {:>12} decoded\n", tileset::kLayerNames[layer], m.wire_bytes[layer], m.decoded_bytes[layer]);
+        fmt::print("  {:<8} {:>12} bytes on the wire, {:>12} decoded\n", tileset::kLayerNames[layer],
+                   m.wire_bytes[layer], m.decoded_bytes[layer]);
     }
-    fmt::print("  archive  {:>12} bytes; {:.1f} s; peak memory {} MiB\n", summary.archive_bytes, summary.seconds, summary.peak_memory_bytes >> 20);
+    fmt::print("  archive  {:>12} bytes; {:.1f} s; peak memory {} MiB\n", summary.archive_bytes, summary.seconds,
+               summary.peak_memory_bytes >> 20);
     if (summary.report.defect_count == 0) fmt::print("  nothing was skipped\n");
 }
 
@@ -157,22 +176,29 @@ int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
     const auto memory = parse_bytes(arguments.memory);
     const auto layer_set = parse_layers(arguments.layers);
     const auto origin = parse_origin(arguments.origin);
+    if (layer_set && (*layer_set)[static_cast<size_t>(tileset::Layer::kRadiance)]) {
+        fmt::print(stderr, "citystream-build: this version builds no radiance layer; leave it out of --layers\n");
+        return kWrongUsage;
+    }
     if (!memory || !layer_set || !origin) {
         fmt::print(stderr, "citystream-build: wrong value of {}\n",
-                   !memory ? "--memory-limit (such as 2GiB)" : !layer_set ? "--layers (mesh, facade, atlas; mesh is needed)" : "--origin (X,Y)");
+                   !memory      ? "--memory-limit (such as 2GiB)"
+                   : !layer_set ? "--layers (mesh, facade, atlas; mesh is needed)"
+                                : "--origin (X,Y)");
         return kWrongUsage;
     }
     options.output = arguments.output;
     options.reference = arguments.reference;
     options.layers = *layer_set;
-    options.layers[static_cast<size_t>(tileset::Layer::kRadiance)] = false;
     options.jobs = arguments.jobs;
     options.memory_limit = *memory;
     options.auto_ground = arguments.ground == "auto";
-    options.description = fmt::format("layers={}{} ground={}", arguments.layers, arguments.lod.empty() ? "" : " lod=" + arguments.lod, arguments.ground);
+    options.description = fmt::format("layers={}{} ground={}", arguments.layers,
+                                      arguments.lod.empty() ? "" : " lod=" + arguments.lod, arguments.ground);
     options.cancel = &interrupted;
     options.progress = [&bar](std::string_view stage, uint64_t done, uint64_t total) { bar.show(stage, done, total); };
-    const layers::CitySource source = [&](city::CityHeader& header, city::CityCatalog& catalog, city::CityReport& report, const city::CitySink& sink) -> Status {
+    const layers::CitySource source = [&](city::CityHeader& header, city::CityCatalog& catalog,
+                                          city::CityReport& report, const city::CitySink& sink) -> Status {
         if (generate) {
             city::GeneratorOptions generator = arguments.generator;
             generator.origin = *origin;
@@ -190,7 +216,8 @@ int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
     bar.clear();
     if (summary) report = summary->report;
     print_defects(report);
-    if (!arguments.report.empty() && !write_report(arguments.report, report)) return fail("cannot write report " + arguments.report);
+    if (!arguments.report.empty() && !write_report(arguments.report, report))
+        return fail("cannot write report " + arguments.report);
     if (!summary) return fail(summary.error().text());
     print_summary(*summary, arguments);
     return 0;
@@ -198,7 +225,7 @@ int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
 
 int info(const Arguments& arguments) {
     const auto city = layers::read_city_info(arguments.archive);
-    if (!city) return fail(arguments.archive + ": " + city.error().text());
+    if (!city) return fail(about(arguments.archive, city.error()));
     if (arguments.json) {
         fmt::print("{}\n", city->dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
     } else {
@@ -208,26 +235,32 @@ int info(const Arguments& arguments) {
 }
 
 int verify(const Arguments& arguments, ProgressBar& bar) {
-    const auto damages = layers::verify_city(arguments.archive, [&bar](uint64_t done, uint64_t total) { bar.show("verify", done, total); });
+    const auto damages = layers::verify_city(
+        arguments.archive, [&bar](uint64_t done, uint64_t total) { bar.show("verify", done, total); });
     bar.clear();
-    if (!damages) return fail(arguments.archive + ": " + damages.error().text());
+    if (!damages) return fail(about(arguments.archive, damages.error()));
     if (arguments.json) {
         fmt::print("{}\n", nlohmann::json{{"ok", damages->empty()}, {"damages", *damages}}.dump(1));
     } else {
         for (const std::string& damage : *damages) fmt::print("{}\n", damage);
         if (damages->empty()) fmt::print("{}: every byte is as it was written\n", arguments.archive);
     }
-    return damages->empty() ? 0 : fail(fmt::format("{}: {} damages; build it again or fetch it again", arguments.archive, damages->size()));
+    return damages->empty() ? 0
+                            : fail(fmt::format("{}: {} damages; build it again or fetch it again", arguments.archive,
+                                               damages->size()));
 }
 
 void add_build_options(CLI::App& app, Arguments& arguments) {
     app.add_option("-o,--output", arguments.output, "archive to write (.3tz)");
     app.add_option("--layers", arguments.layers, "layers to build: mesh,facade,atlas")->capture_default_str();
-    app.add_option("--jobs", arguments.jobs, "threads (0: all cores); the bytes do not depend on it")->capture_default_str();
+    app.add_option("--jobs", arguments.jobs, "threads (0: all cores); the bytes do not depend on it")
+        ->capture_default_str();
     app.add_option("--memory-limit", arguments.memory, "working memory, such as 2GiB")->capture_default_str();
     app.add_option("--reference", arguments.reference, "also write the uncompressed city as glTF (.glb)");
     app.add_option("--report", arguments.report, "write every defect of the input to this JSON file");
-    app.add_option("--ground", arguments.ground, "auto: a flat ground where the input has none")->check(CLI::IsMember({"auto", "none"}))->capture_default_str();
+    app.add_option("--ground", arguments.ground, "auto: a flat ground where the input has none")
+        ->check(CLI::IsMember({"auto", "none"}))
+        ->capture_default_str();
     app.add_flag("--json", arguments.json, "print the summary as JSON");
 }
 
@@ -238,7 +271,8 @@ int main(int argc, char** argv) {
     std::signal(SIGTERM, on_signal);
     Arguments arguments;
     ProgressBar bar;
-    CLI::App app{"Builds a city model (CityJSON, CityJSONSeq, CityGML) into one archive that citystream-serve can stream."};
+    CLI::App app{
+        "Builds a city model (CityJSON, CityJSONSeq, CityGML) into one archive that citystream-serve can stream."};
     app.set_version_flag("--version", CITYSTREAM_VERSION);
     app.footer(
         "Examples:\n"
@@ -248,7 +282,8 @@ int main(int argc, char** argv) {
         "  citystream-build info city.3tz --json\n"
         "  citystream-build verify city.3tz");
     app.add_option("INPUT", arguments.inputs, "city models; several make one city");
-    app.add_option("--lod", arguments.lod, "take this level of detail only (2.2, 3); default: the highest of each object");
+    app.add_option("--lod", arguments.lod,
+                   "take this level of detail only (2.2, 3); default: the highest of each object");
     add_build_options(app, arguments);
     CLI::App* generate = app.add_subcommand("generate", "build a procedural city from a seed");
     generate->add_option("--buildings", arguments.generator.buildings, "how many")->capture_default_str();
@@ -269,7 +304,8 @@ int main(int argc, char** argv) {
     if (show->parsed()) return info(arguments);
     if (check->parsed()) return verify(arguments, bar);
     if (arguments.output.empty() || (!generate->parsed() && arguments.inputs.empty())) {
-        fmt::print(stderr, "citystream-build: {} is missing; see --help\n", arguments.output.empty() ? "-o CITY.3tz" : "INPUT");
+        fmt::print(stderr, "citystream-build: {} is missing; see --help\n",
+                   arguments.output.empty() ? "-o CITY.3tz" : "INPUT");
         return kWrongUsage;
     }
     return build(arguments, generate->parsed(), bar);

@@ -8,7 +8,9 @@ using tiles::tileset::TileRecord;
 
 namespace {
 
-uint32_t child_number(TileAddress address) { return (address.x & 1) | (address.y & 1) << 1; }
+uint32_t child_number(TileAddress address) {
+    return (address.x & 1) | (address.y & 1) << 1;
+}
 
 }  // namespace
 
@@ -47,7 +49,8 @@ Status DirectoryCache::add_subtree(std::span<const std::byte> bytes, TileAddress
     if (subtree->tiles.empty() || subtree->tiles.front().address != root) {
         return Error{"the subtree does not hold its own root tile"};
     }
-    // Tiles come by level, so a parent has its index before its children ask for it; a tile without one cannot be reached.
+    // Tiles come by level, so a parent has its index before its children ask for it; a tile without one cannot be
+    // reached.
     std::map<TileAddress, NodeIndex> index_of;
     for (const TileRecord& tile : subtree->tiles) {
         NodeIndex parent = place.parent;

@@ -5,7 +5,9 @@
 namespace citystream::client {
 
 HostLayerStore::HostLayerStore(uint64_t budget_bytes, uint64_t slot_bytes, bool keep_words)
-    : slot_bytes_(std::max<uint64_t>(1, slot_bytes)), slot_count_(budget_bytes / slot_bytes_), keep_words_(keep_words) {}
+    : slot_bytes_(std::max<uint64_t>(1, slot_bytes)),
+      slot_count_(budget_bytes / slot_bytes_),
+      keep_words_(keep_words) {}
 
 LayerId HostLayerStore::create() {
     while (next_ == kNoLayer || layers_.contains(next_)) ++next_;

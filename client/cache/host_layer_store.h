@@ -1,4 +1,5 @@
-// A layer store in host memory: the same slots and the same hard budget as on a GPU, for tests and for clients that do not draw.
+// A layer store in host memory: the same slots and the same hard budget as on a GPU, for tests and for clients that do
+// not draw.
 #pragma once
 
 #include <map>

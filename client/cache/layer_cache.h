@@ -19,9 +19,12 @@ using CacheKey = uint64_t;
 constexpr CacheKey layer_key(NodeIndex node, tiles::tileset::Layer layer) {
     return static_cast<CacheKey>(node) << 3 | static_cast<CacheKey>(layer);
 }
-constexpr CacheKey map_key(uint32_t map) { return static_cast<CacheKey>(map) << 3 | 7; }
+constexpr CacheKey map_key(uint32_t map) {
+    return static_cast<CacheKey>(map) << 3 | 7;
+}
 
-/// A layer's resident prefixes: `wire_steps` steps as received, `store_steps` steps decoded in the store. Either may be ahead of the other.
+/// A layer's resident prefixes: `wire_steps` steps as received, `store_steps` steps decoded in the store. Either may be
+/// ahead of the other.
 struct CachedLayer {
     CacheKey key = 0;
     uint32_t wire_steps = 0;
@@ -31,18 +34,19 @@ struct CachedLayer {
     LayerId id = kNoLayer;
     uint32_t store_steps = 0;
     uint64_t store_bytes = 0;
-    bool requested = false;      ///< a request for it is under way
-    uint32_t damages = 0;        ///< times that bytes of it came damaged
-    uint32_t failures = 0;       ///< times that a request for it failed
-    uint64_t needed_by = 0;      ///< serial of the last selection that needs it
-    uint64_t drawn_by = 0;       ///< serial of the last update that drew it
+    bool requested = false;                               ///< a request for it is under way
+    uint32_t damages = 0;                                 ///< times that bytes of it came damaged
+    uint32_t failures = 0;                                ///< times that a request for it failed
+    uint64_t needed_by = 0;                               ///< serial of the last selection that needs it
+    uint64_t drawn_by = 0;                                ///< serial of the last update that drew it
     std::list<CachedLayer*>::iterator in_store, in_wire;  ///< places in the two orders, when resident there
 };
 
 /// Host bytes of an entry with its share of the tables; entries stay once made.
 inline constexpr uint64_t kCachedLayerBytes = sizeof(CachedLayer) + 128;
 
-/// One thread. Never evicts what the current selection needs; what the last update drew goes only when nothing else is left.
+/// One thread. Never evicts what the current selection needs; what the last update drew goes only when nothing else is
+/// left.
 class LayerCache {
   public:
     LayerCache(LayerStore& store, HostMemory& host) : store_(store), host_(host) {}

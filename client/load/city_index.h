@@ -1,4 +1,5 @@
-// The directory of the city under load as its clients have received it: which tile a draw shows, and how many wire bytes a prefix has.
+// The directory of the city under load as its clients have received it: which tile a draw shows, and how many wire
+// bytes a prefix has.
 #pragma once
 
 #include <cstddef>
@@ -26,9 +27,11 @@ std::optional<tiles::tileset::TileAddress> address_in_path(std::string_view path
 /// Shared by all clients of a run: thread-safe. Records stay where they are once learnt.
 class CityIndex {
   public:
-    /// Learns from a received piece of the directory (tileset.json, a subtree, the facade index); others and repeated ones are ignored.
+    /// Learns from a received piece of the directory (tileset.json, a subtree, the facade index); others and repeated
+    /// ones are ignored.
     void learn(const std::string& path, std::span<const std::byte> bytes);
-    /// The record of the tile that is drawn, or null. A draw names no address, so it is found by its origin and the words of its mesh steps.
+    /// The record of the tile that is drawn, or null. A draw names no address, so it is found by its origin and the
+    /// words of its mesh steps.
     const tiles::tileset::TileRecord* find(const TileDraw& draw) const;
     /// Wire bytes of a facade map; 0 when the facade index is not known.
     uint64_t map_bytes(uint32_t map) const;

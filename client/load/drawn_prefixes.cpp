@@ -35,7 +35,8 @@ void DrawnPrefixes::credit_draw(const TileDraw& draw, Shown& shown) {
     }
 }
 
-void DrawnPrefixes::note(const std::vector<TileDraw>& draws, const std::function<void(tiles::tileset::TileAddress, bool)>& on_tile) {
+void DrawnPrefixes::note(const std::vector<TileDraw>& draws,
+                         const std::function<void(tiles::tileset::TileAddress, bool)>& on_tile) {
     for (const TileDraw& draw : draws) {
         if (draw.mesh == kNoLayer) continue;
         const auto [place, appeared] = shown_.try_emplace(draw.mesh);

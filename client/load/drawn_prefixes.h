@@ -20,9 +20,10 @@ class DrawnPrefixes {
   public:
     DrawnPrefixes(const CityIndex& index, const HostLayerStore& store) : index_(index), store_(store) {}
 
-    /// Takes in the draws of one update. `on_tile` hears of each tile that could be named: `appeared` tells whether it is drawn for the first time since
-    /// it was brought to the store.
-    void note(const std::vector<TileDraw>& draws, const std::function<void(tiles::tileset::TileAddress, bool appeared)>& on_tile);
+    /// Takes in the draws of one update. `on_tile` hears of each tile that could be named: `appeared` tells whether it
+    /// is drawn for the first time since it was brought to the store.
+    void note(const std::vector<TileDraw>& draws,
+              const std::function<void(tiles::tileset::TileAddress, bool appeared)>& on_tile);
 
     /// Sum over all layers of the longest prefix ever drawn, and of all facade maps ever drawn.
     uint64_t bytes() const { return bytes_; }

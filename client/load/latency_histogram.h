@@ -1,4 +1,5 @@
-// Counts of durations in log-linear buckets, in the manner of HdrHistogram: every percentile within 0.4 %, whatever the range, in fixed memory.
+// Counts of durations in log-linear buckets, in the manner of HdrHistogram: every percentile within 0.4 %, whatever the
+// range, in fixed memory.
 #pragma once
 
 #include <bit>
@@ -8,8 +9,8 @@
 
 namespace citystream::client {
 
-/// Values are nanoseconds. Below 128 ns every value has a bucket of its own; above, each power of two is cut into 128 buckets. Not thread-safe;
-/// merge the histograms of several threads at the end.
+/// Values are nanoseconds. Below 128 ns every value has a bucket of its own; above, each power of two is cut into 128
+/// buckets. Not thread-safe; merge the histograms of several threads at the end.
 class LatencyHistogram {
   public:
     LatencyHistogram();
@@ -19,7 +20,8 @@ class LatencyHistogram {
     void merge(const LatencyHistogram& other);
 
     uint64_t count() const { return count_; }
-    /// Smallest value that at least `percent` % of the values do not exceed (the middle of its bucket, at most the maximum); 0 when empty. O(buckets).
+    /// Smallest value that at least `percent` % of the values do not exceed (the middle of its bucket, at most the
+    /// maximum); 0 when empty. O(buckets).
     std::chrono::nanoseconds percentile(double percent) const;
     std::chrono::nanoseconds max() const { return std::chrono::nanoseconds(max_); }  ///< exact
     std::chrono::nanoseconds mean() const;

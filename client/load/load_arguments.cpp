@@ -29,17 +29,26 @@ std::optional<double> parse_with_unit(const std::string& text, const std::array<
 }  // namespace
 
 Result<double> parse_load_duration(const std::string& text) {
-    static constexpr std::array<Unit, 6> kUnits = {{{"", 1}, {"s", 1}, {"ms", 1e-3}, {"m", 60}, {"min", 60}, {"h", 3600}}};
+    static constexpr std::array<Unit, 6> kUnits = {
+        {{"", 1}, {"s", 1}, {"ms", 1e-3}, {"m", 60}, {"min", 60}, {"h", 3600}}};
     const auto seconds = parse_with_unit(text, kUnits);
-    if (!seconds || !(*seconds > 0) || !(*seconds <= 86400)) return Error{"'" + text + "' is no duration up to a day, like 30s, 500ms or 2m"};
+    if (!seconds || !(*seconds > 0) || !(*seconds <= 86400))
+        return Error{"'" + text + "' is no duration up to a day, like 30s, 500ms or 2m"};
     return *seconds;
 }
 
 Result<uint64_t> parse_load_bytes(const std::string& text) {
-    static constexpr std::array<Unit, 8> kUnits = {
-        {{"", 1}, {"B", 1}, {"KiB", 1024}, {"MiB", 1048576}, {"GiB", 1073741824}, {"kB", 1e3}, {"MB", 1e6}, {"GB", 1e9}}};
+    static constexpr std::array<Unit, 8> kUnits = {{{"", 1},
+                                                    {"B", 1},
+                                                    {"KiB", 1024},
+                                                    {"MiB", 1048576},
+                                                    {"GiB", 1073741824},
+                                                    {"kB", 1e3},
+                                                    {"MB", 1e6},
+                                                    {"GB", 1e9}}};
     const auto bytes = parse_with_unit(text, kUnits);
-    if (!bytes || !(*bytes >= 1) || !(*bytes <= 1e15)) return Error{"'" + text + "' is no amount of memory like 512MiB or 1GiB"};
+    if (!bytes || !(*bytes >= 1) || !(*bytes <= 1e15))
+        return Error{"'" + text + "' is no amount of memory like 512MiB or 1GiB"};
     return static_cast<uint64_t>(*bytes);
 }
 

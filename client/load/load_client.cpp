@@ -26,10 +26,12 @@ void LoadMeasurements::merge(const LoadMeasurements& other) {
     service.merge(other.service);
     visible.merge(other.visible);
     lateness.merge(other.lateness);
-    for (const auto counter : {&LoadMeasurements::updates, &LoadMeasurements::updates_complete, &LoadMeasurements::answers,
-                               &LoadMeasurements::failed, &LoadMeasurements::cancelled, &LoadMeasurements::unanswered,
-                               &LoadMeasurements::tiles_visible, &LoadMeasurements::tiles_abandoned, &LoadMeasurements::tiles_unused, &LoadMeasurements::tiles_unfinished,
-                               &LoadMeasurements::directory_bytes, &LoadMeasurements::layer_bytes, &LoadMeasurements::drawn_bytes}) {
+    for (const auto counter :
+         {&LoadMeasurements::updates, &LoadMeasurements::updates_complete, &LoadMeasurements::answers,
+          &LoadMeasurements::failed, &LoadMeasurements::cancelled, &LoadMeasurements::unanswered,
+          &LoadMeasurements::tiles_visible, &LoadMeasurements::tiles_abandoned, &LoadMeasurements::tiles_unused,
+          &LoadMeasurements::tiles_unfinished, &LoadMeasurements::directory_bytes, &LoadMeasurements::layer_bytes,
+          &LoadMeasurements::drawn_bytes}) {
         this->*counter += other.*counter;
     }
     most_host_bytes = std::max(most_host_bytes, other.most_host_bytes);
@@ -45,7 +47,8 @@ void LoadMeasurements::merge(const LoadMeasurements& other) {
     if (first_error.empty()) first_error = other.first_error;
 }
 
-LoadClient::LoadClient(const LoadClientOptions& options, CityIndex& index, LoadMeasurements& measurements, std::unique_ptr<Fetcher> fetcher)
+LoadClient::LoadClient(const LoadClientOptions& options, CityIndex& index, LoadMeasurements& measurements,
+                       std::unique_ptr<Fetcher> fetcher)
     : options_(options),
       index_(index),
       measurements_(&measurements),
@@ -54,7 +57,8 @@ LoadClient::LoadClient(const LoadClientOptions& options, CityIndex& index, LoadM
       store_(options.gpu_budget_bytes, kSlotBytes, false),
       drawn_(index, store_) {}
 
-Result<std::unique_ptr<LoadClient>> LoadClient::open(const LoadClientOptions& options, CityIndex& index, LoadMeasurements& measurements) {
+Result<std::unique_ptr<LoadClient>> LoadClient::open(const LoadClientOptions& options, CityIndex& index,
+                                                     LoadMeasurements& measurements) {
     const auto begin = LoadClock::now();
     auto network = Fetcher::open(options.place, options.fetcher);
     if (!network) return network.error();
@@ -68,19 +72,17 @@ Result<std::unique_ptr<LoadClient>> LoadClient::open(const LoadClientOptions& op
 }
 
 void LoadClient::on_submit(const FetchRequest& request, LoadClock::time_point intended) {
-    if (const auto tile = address_in_path(request.path, "tiles")) ++awaited_.try_emplace(*tile, Awaited{intended, 0}).first->second.requests;
+    if (const auto tile = address_in_path(request.path, "tiles"))
+        ++awaited_.try_emplace(*tile, Awaited{intended, 0, false}).first->second.requests;
 }
 
 void LoadClient::on_result(const FetchRequest& request, LoadClock::time_point intended, const FetchResult& result,
                            LoadClock::time_point seen) {
     const auto tile = address_in_path(request.path, "tiles");
-    if (tile) {
-        const auto found = awaited_.find(*tile);
-        if (found != awaited_.end()) --found->second.requests;
-        if (found != awaited_.end() && (result.cancelled || !result.bytes)) {
-            ++measurements_->tiles_abandoned;
-            awaited_.erase(found);
-        }
+    if (const auto found = tile ? awaited_.find(*tile) : awaited_.end(); found != awaited_.end()) {
+        Awaited& awaited = found->second;
+        awaited.requests -= std::min(awaited.requests, 1u);
+        awaited.lost = awaited.lost || result.cancelled || !result.bytes;
     }
     if (result.cancelled) {
         ++measurements_->cancelled;
@@ -122,7 +124,11 @@ void LoadClient::note_draws(const std::vector<TileDraw>& draws) {
         awaited_.erase(found);
     });
     // What has come and is not drawn is not waited for; if it is drawn later, that is no matter of the network.
-    measurements_->tiles_unused += std::erase_if(awaited_, [](const auto& entry) { return entry.second.requests == 0; });
+    std::erase_if(awaited_, [&](const auto& entry) {
+        if (entry.second.requests > 0) return false;
+        ++(entry.second.lost ? measurements_->tiles_abandoned : measurements_->tiles_unused);
+        return true;
+    });
 }
 
 void LoadClient::note_frame(const StreamerFrame& frame) {

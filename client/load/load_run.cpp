@@ -30,7 +30,8 @@ uint32_t driving_threads(const LoadOptions& options) {
     return std::min(wanted, std::max(1u, options.clients));
 }
 
-/// What makes a streamer a load client: it counts instead of decoding, never waits, and shares what does not differ between clients.
+/// What makes a streamer a load client: it counts instead of decoding, never waits, and shares what does not differ
+/// between clients.
 LoadOptions completed(LoadOptions options) {
     StreamerOptions& streamer = options.client.streamer;
     streamer.decode = false;
@@ -42,7 +43,8 @@ LoadOptions completed(LoadOptions options) {
 }
 
 /// Opens clients on several threads at once, for opening waits for the network.
-Clients open_clients(const LoadOptions& options, CityIndex& index, const std::atomic<bool>& stop, LoadOutcome& outcome) {
+Clients open_clients(const LoadOptions& options, CityIndex& index, const std::atomic<bool>& stop,
+                     LoadOutcome& outcome) {
     Clients clients(options.clients);
     std::atomic<uint32_t> next{0};
     std::mutex mutex;
@@ -75,7 +77,8 @@ Clients open_clients(const LoadOptions& options, CityIndex& index, const std::at
 /// One driving thread: the next due update of any of its clients, and in between a look at what has arrived.
 class Driver {
   public:
-    Driver(const LoadOptions& options, const CameraPath& path, const std::atomic<bool>& stop, LoadClock::time_point begin)
+    Driver(const LoadOptions& options, const CameraPath& path, const std::atomic<bool>& stop,
+           LoadClock::time_point begin)
         : options_(options), path_(path), stop_(stop), begin_(begin), end_(begin + seconds(options.duration_seconds)) {}
 
     void add(LoadClient& client, uint32_t index) {
@@ -124,7 +127,8 @@ class Driver {
         const double along = duration > 0 ? std::fmod(replay.start.path_seconds + flown, duration) : 0;
         replay.client->update(path_.at(path_.samples.front().t + along), due.time);
         ++replay.updates;
-        const double next = replay.start.delay_seconds + static_cast<double>(replay.updates) / options_.updates_per_second;
+        const double next =
+            replay.start.delay_seconds + static_cast<double>(replay.updates) / options_.updates_per_second;
         due_.push({begin_ + seconds(next), due.replay});
     }
     void collect(LoadClock::time_point now) {
@@ -147,8 +151,8 @@ class Driver {
     std::atomic<uint64_t> answers_{0};
 };
 
-void report_progress(const std::vector<std::unique_ptr<Driver>>& drivers, std::atomic<uint32_t>& running, LoadClock::time_point begin,
-                     const std::function<void(double, uint64_t)>& progress) {
+void report_progress(const std::vector<std::unique_ptr<Driver>>& drivers, std::atomic<uint32_t>& running,
+                     LoadClock::time_point begin, const std::function<void(double, uint64_t)>& progress) {
     while (running > 0) {
         std::this_thread::sleep_for(kProgressInterval);
         uint64_t answers = 0;
@@ -178,7 +182,8 @@ LoadOutcome run_load(const LoadOptions& wanted, const CameraPath& path, const st
     Clients clients = open_clients(options, index, stop, outcome);
     const auto begin = LoadClock::now();
     std::vector<std::unique_ptr<Driver>> drivers;
-    for (uint32_t i = 0; i < driving_threads(options); ++i) drivers.push_back(std::make_unique<Driver>(options, path, stop, begin));
+    for (uint32_t i = 0; i < driving_threads(options); ++i)
+        drivers.push_back(std::make_unique<Driver>(options, path, stop, begin));
     for (uint32_t i = 0; i < clients.size(); ++i) drivers[i % drivers.size()]->add(*clients[i], i);
 
     std::atomic<uint32_t> running{clients.empty() ? 0 : static_cast<uint32_t>(drivers.size())};

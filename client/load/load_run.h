@@ -30,15 +30,17 @@ struct LoadOutcome {
     bool fetched_anything() const { return measured.answers > 0; }
 };
 
-/// Where client `index` begins: seconds along the path, and seconds after the start of the replay. A function of its arguments only.
+/// Where client `index` begins: seconds along the path, and seconds after the start of the replay. A function of its
+/// arguments only.
 struct ClientStart {
     double path_seconds = 0, delay_seconds = 0;
 };
 ClientStart start_of_client(uint32_t index, const LoadOptions& options, double path_duration);
 
-/// Opens all clients, then replays: client updates happen at start + k / rate, whether earlier answers have come or not, and a driving thread that falls
-/// behind catches up without leaving updates out, so no wait goes unmeasured. The path is flown again from its beginning when it ends.
-/// `stop` ends the run early with what was measured. `progress(seconds, measured requests)` is called a few times a second from the calling thread.
+/// Opens all clients, then replays: client updates happen at start + k / rate, whether earlier answers have come or
+/// not, and a driving thread that falls behind catches up without leaving updates out, so no wait goes unmeasured. The
+/// path is flown again from its beginning when it ends. `stop` ends the run early with what was measured.
+/// `progress(seconds, measured requests)` is called a few times a second from the calling thread.
 LoadOutcome run_load(const LoadOptions& options, const CameraPath& path, const std::atomic<bool>& stop,
                      const std::function<void(double, uint64_t)>& progress);
 

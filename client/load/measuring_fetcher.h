@@ -1,4 +1,5 @@
-// A fetcher that stands between a streamer and the real fetcher and tells an observer what was asked for when, and when it came.
+// A fetcher that stands between a streamer and the real fetcher and tells an observer what was asked for when, and when
+// it came.
 #pragma once
 
 #include <chrono>
@@ -28,9 +29,11 @@ class MeasuringFetcher final : public Fetcher {
   public:
     MeasuringFetcher(Fetcher& inner, FetchObserver& observer) : inner_(inner), observer_(observer) {}
 
-    /// Requests from now on belong to something that was due at this time: latency counts from here, however late the caller is.
+    /// Requests from now on belong to something that was due at this time: latency counts from here, however late the
+    /// caller is.
     void set_intended(LoadClock::time_point time) { intended_ = time; }
-    /// Takes and times what has arrived, and keeps it for poll() and wait(). Called often between updates, it makes times as exact as its interval.
+    /// Takes and times what has arrived, and keeps it for poll() and wait(). Called often between updates, it makes
+    /// times as exact as its interval.
     void collect();
     bool idle() const { return under_way_.empty(); }
     /// Requests without an answer yet, each with the time from which its latency counts.

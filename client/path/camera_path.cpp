@@ -130,7 +130,9 @@ Result<CameraSample> parse_sample(std::string_view line, size_t number, const Co
     return sample;
 }
 
-double mix(double a, double b, double s) { return a + (b - a) * s; }
+double mix(double a, double b, double s) {
+    return a + (b - a) * s;
+}
 
 }  // namespace
 

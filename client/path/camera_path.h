@@ -9,7 +9,8 @@
 
 namespace citystream::client {
 
-/// One camera: position in metres of the city's CRS; degrees: yaw clockwise from north, pitch up, vertical field of view.
+/// One camera: position in metres of the city's CRS; degrees: yaw clockwise from north, pitch up, vertical field of
+/// view.
 struct CameraSample {
     double t = 0;  ///< seconds
     double x = 0, y = 0, z = 0;

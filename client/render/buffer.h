@@ -14,13 +14,14 @@ struct Buffer {
 };
 
 enum class BufferPlace {
-    kDevice,       ///< device-local, not mapped
-    kDeviceHost,   ///< device-local and mapped (one memory, or a large BAR)
-    kUpload,       ///< mapped, written by the CPU; device-local where such memory exists
-    kReadback,     ///< mapped and cached where such memory exists
+    kDevice,      ///< device-local, not mapped
+    kDeviceHost,  ///< device-local and mapped (one memory, or a large BAR)
+    kUpload,      ///< mapped, written by the CPU; device-local where such memory exists
+    kReadback,    ///< mapped and cached where such memory exists
 };
 
-/// `bytes` > 0. Usable as storage by address, transfer source and destination, index buffer. Throws VulkanError when memory is short.
+/// `bytes` > 0. Usable as storage by address, transfer source and destination, index buffer. Throws VulkanError when
+/// memory is short.
 Buffer create_buffer(const Device& device, uint64_t bytes, BufferPlace place);
 void destroy_buffer(const Device& device, Buffer& buffer);
 

@@ -66,12 +66,23 @@ void vk_check(VkResult result, const char* what) {
     if (result >= VK_SUCCESS) return;
     const char* meaning = "";
     switch (result) {
-        case VK_ERROR_OUT_OF_HOST_MEMORY: meaning = " (out of host memory)"; break;
-        case VK_ERROR_OUT_OF_DEVICE_MEMORY: meaning = " (out of device memory)"; break;
-        case VK_ERROR_DEVICE_LOST: meaning = " (device lost)"; break;
-        case VK_ERROR_INITIALIZATION_FAILED: meaning = " (initialization failed)"; break;
-        case VK_ERROR_INCOMPATIBLE_DRIVER: meaning = " (no driver found)"; break;
-        default: break;
+        case VK_ERROR_OUT_OF_HOST_MEMORY:
+            meaning = " (out of host memory)";
+            break;
+        case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+            meaning = " (out of device memory)";
+            break;
+        case VK_ERROR_DEVICE_LOST:
+            meaning = " (device lost)";
+            break;
+        case VK_ERROR_INITIALIZATION_FAILED:
+            meaning = " (initialization failed)";
+            break;
+        case VK_ERROR_INCOMPATIBLE_DRIVER:
+            meaning = " (no driver found)";
+            break;
+        default:
+            break;
     }
     throw VulkanError(std::string(what) + " failed: VkResult " + std::to_string(result) + meaning);
 }
@@ -90,7 +101,8 @@ bool validation_layer_installed() {
 
 Instance create_instance(bool validation) {
     if (volkInitialize() != VK_SUCCESS) {
-        throw VulkanError("no Vulkan loader (libvulkan.so.1): install libvulkan1 and a driver, e.g. mesa-vulkan-drivers");
+        throw VulkanError(
+            "no Vulkan loader (libvulkan.so.1): install libvulkan1 and a driver, e.g. mesa-vulkan-drivers");
     }
     Instance instance;
     instance.messages = std::make_unique<std::atomic<uint64_t>>(0);
@@ -118,8 +130,8 @@ Instance create_instance(bool validation) {
     vk_check(vkCreateInstance(&info, nullptr, &instance.handle), "vkCreateInstance");
     volkLoadInstance(instance.handle);
     if (instance.validated) {
-        const auto create = instance_function<PFN_vkCreateDebugUtilsMessengerEXT>(instance.handle,
-                                                                                  "vkCreateDebugUtilsMessengerEXT");
+        const auto create =
+            instance_function<PFN_vkCreateDebugUtilsMessengerEXT>(instance.handle, "vkCreateDebugUtilsMessengerEXT");
         if (create != nullptr) vk_check(create(instance.handle, &messenger, nullptr, &instance.messenger), "messenger");
     }
     return instance;
@@ -148,7 +160,8 @@ std::string unusable_reason(VkPhysicalDevice physical) {
     VkPhysicalDeviceProperties properties{};
     vkGetPhysicalDeviceProperties(physical, &properties);
     if (properties.apiVersion < VK_API_VERSION_1_2) return "older than Vulkan 1.2";
-    auto features12 = vk_struct<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
+    auto features12 =
+        vk_struct<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
     vkGetPhysicalDeviceFeatures2(physical, &features);
     if (features12.bufferDeviceAddress == VK_FALSE) return "no bufferDeviceAddress";
@@ -185,7 +198,8 @@ Device create_device(VkPhysicalDevice physical) {
     queue.queueFamilyIndex = device.queue_family;
     queue.queueCount = 1;
     queue.pQueuePriorities = &priority;
-    auto features12 = vk_struct<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
+    auto features12 =
+        vk_struct<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
     features12.bufferDeviceAddress = VK_TRUE;
     auto info = vk_struct<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features12);
     info.queueCreateInfoCount = 1;

@@ -1,6 +1,8 @@
-// The Vulkan instance, device and queue that everything in this room works on. Plain structs, explicit create and destroy.
+// The Vulkan instance, device and queue that everything in this room works on. Plain structs, explicit create and
+// destroy.
 //
-// Errors: Vulkan failures are thrown as VulkanError inside this room and become Result errors at VulkanRenderer's calls.
+// Errors: Vulkan failures are thrown as VulkanError inside this room and become Result errors at VulkanRenderer's
+// calls.
 #pragma once
 
 #include <volk.h>
@@ -34,11 +36,12 @@ void vk_check(VkResult result, const char* what);
 struct Instance {
     VkInstance handle = VK_NULL_HANDLE;
     VkDebugUtilsMessengerEXT messenger = VK_NULL_HANDLE;
-    bool validated = false;                                   ///< the layer was asked for and is installed
-    std::unique_ptr<std::atomic<uint64_t>> messages;          ///< warnings and errors of the validation layer
+    bool validated = false;                           ///< the layer was asked for and is installed
+    std::unique_ptr<std::atomic<uint64_t>> messages;  ///< warnings and errors of the validation layer
 };
 
-/// Loads Vulkan and makes an instance. `validation` turns on the Khronos layer with synchronization validation where it is installed.
+/// Loads Vulkan and makes an instance. `validation` turns on the Khronos layer with synchronization validation where it
+/// is installed.
 Instance create_instance(bool validation);
 void destroy_instance(Instance& instance);
 bool validation_layer_installed();
@@ -51,11 +54,12 @@ struct Device {
     VkCommandPool command_pool = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
     VkPhysicalDeviceMemoryProperties memory{};
-    double timestamp_nanoseconds = 0;                         ///< of one tick; 0: the queue has no timestamps
-    std::string name;                                         ///< with driver name and version
+    double timestamp_nanoseconds = 0;  ///< of one tick; 0: the queue has no timestamps
+    std::string name;                  ///< with driver name and version
 };
 
-/// Why a physical device cannot be used by this renderer; empty when it can (Vulkan 1.2, buffer device address, graphics queue, D32F).
+/// Why a physical device cannot be used by this renderer; empty when it can (Vulkan 1.2, buffer device address,
+/// graphics queue, D32F).
 std::string unusable_reason(VkPhysicalDevice physical);
 /// Device name with driver name and version, for people.
 std::string describe_device(VkPhysicalDevice physical);
@@ -68,11 +72,13 @@ void destroy_device(Device& device);
 void submit_and_wait(const Device& device, const std::function<void(VkCommandBuffer)>& record);
 
 constexpr uint32_t kNoMemoryType = ~0u;
-/// First memory type of `type_bits` with all of `wanted` in a heap of at least `heap_bytes`; kNoMemoryType when there is none.
-uint32_t find_memory_type(const Device& device, uint32_t type_bits, VkMemoryPropertyFlags wanted, uint64_t heap_bytes = 0);
+/// First memory type of `type_bits` with all of `wanted` in a heap of at least `heap_bytes`; kNoMemoryType when there
+/// is none.
+uint32_t find_memory_type(const Device& device, uint32_t type_bits, VkMemoryPropertyFlags wanted,
+                          uint64_t heap_bytes = 0);
 
 /// Global memory barrier between two stages, named where it is used.
-void memory_barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags from_access, VkPipelineStageFlags to,
-                    VkAccessFlags to_access);
+void memory_barrier(VkCommandBuffer commands, VkPipelineStageFlags from, VkAccessFlags from_access,
+                    VkPipelineStageFlags to, VkAccessFlags to_access);
 
 }  // namespace citystream::client

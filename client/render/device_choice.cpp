@@ -52,10 +52,14 @@ int type_rank(VkPhysicalDevice physical) {
     VkPhysicalDeviceProperties properties{};
     vkGetPhysicalDeviceProperties(physical, &properties);
     switch (properties.deviceType) {
-        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 0;
-        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 1;
-        case VK_PHYSICAL_DEVICE_TYPE_CPU: return 3;
-        default: return 2;
+        case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+            return 0;
+        case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+            return 1;
+        case VK_PHYSICAL_DEVICE_TYPE_CPU:
+            return 3;
+        default:
+            return 2;
     }
 }
 
@@ -66,12 +70,14 @@ Result<VkPhysicalDevice> usable_or_error(VkPhysicalDevice physical) {
 }
 
 Result<VkPhysicalDevice> choose_by_wish(const std::vector<VkPhysicalDevice>& devices, const std::string& wish) {
-    if (wish.size() < 4 && std::all_of(wish.begin(), wish.end(), [](unsigned char c) { return std::isdigit(c) != 0; })) {
+    if (wish.size() < 4 &&
+        std::all_of(wish.begin(), wish.end(), [](unsigned char c) { return std::isdigit(c) != 0; })) {
         const size_t index = std::stoul(wish);
         if (index < devices.size()) return usable_or_error(devices[index]);
     } else {
         for (VkPhysicalDevice physical : devices) {
-            if (lower(describe_device(physical)).find(lower(wish)) != std::string::npos) return usable_or_error(physical);
+            if (lower(describe_device(physical)).find(lower(wish)) != std::string::npos)
+                return usable_or_error(physical);
         }
     }
     std::string names;
@@ -97,7 +103,8 @@ std::string match_text(VkPhysicalDevice physical, std::span<const EglDevice> egl
     for (size_t i = 0; i < egl_devices.size(); ++i) {
         const DeviceMatch match = match_device(physical, egl_devices[i]);
         if (match == DeviceMatch::kNone) continue;
-        text += " = EGL device " + std::to_string(i) + (match == DeviceMatch::kUuid ? " (same UUID)" : " (same DRM node)");
+        text +=
+            " = EGL device " + std::to_string(i) + (match == DeviceMatch::kUuid ? " (same UUID)" : " (same DRM node)");
     }
     return text;
 }

@@ -1,4 +1,4 @@
-// Records that the CPU writes for each frame and the shaders read by address, shared by C++ and GLSL. 4-byte members only, so both lay them out alike.
+// What the CPU tells the shaders about a frame and its tiles, shared by C++ and GLSL. 4-byte members only, so both lay them out alike.
 #ifndef CITYSTREAM_CLIENT_DRAW_LAYOUT_H
 #define CITYSTREAM_CLIENT_DRAW_LAYOUT_H
 
@@ -13,31 +13,28 @@ using uint = uint32_t;
    clear, it is the address of a page table (one 64-bit slot address every 2^SLOT_WORDS_LOG2 words). */
 #define LAYER_REF_DIRECT 1u
 #define DRAW_MESH_STEPS 4
-#define DRAW_HAS_ATLAS 1u
 
-/* One a frame. Directions are the camera's axes, scaled so that clip.xyw = row * p and clip.z = near_plane (reversed z, infinite far plane). */
-struct FrameRecord {
+/* Of a frame. Directions are the camera's axes, scaled so that clip.xyw = row * p and clip.z = near_plane (reversed z, infinite far plane). */
+struct FrameConstants {
     float clip_x[3];
     float clip_y[3];
     float clip_w[3];
     float camera_fraction[3]; /* metres: from the camera's grid cell to the camera, 0..2^-10 */
     float near_plane;
-    uint reserved;
 };
 
-/* One a tile. Positions relative to the camera are exact integers up to the last step: origin + position, in grid units. */
-struct TileDrawRecord {
+/* Of a tile. References are 0 for layers that are not there. Positions relative to the camera are exact integers up to the last step:
+   origin + position, in grid units. */
+struct TileConstants {
     uint mesh[2];
     uint atlas[2];
     uint facade[2];
     uint facade_maps[2]; /* address of FacadeMapEntry[facade_map_count], sorted by map */
     uint facade_map_count;
-    uint flags;
     int origin[3];       /* grid units from the camera's grid cell to the tile's origin */
     uint atlas_finest_mip;
     uint mesh_steps;
     uint mesh_step_begin[DRAW_MESH_STEPS]; /* words */
-    uint reserved;
 };
 
 struct FacadeMapEntry {
@@ -46,10 +43,10 @@ struct FacadeMapEntry {
     uint layer[2];
 };
 
-/* Push constants of the drawing passes. */
+/* Push constants of the drawing passes: within the 128 bytes that every device has. */
 struct DrawConstants {
-    uint frame[2]; /* address of FrameRecord */
-    uint tile[2];  /* address of TileDrawRecord */
+    FrameConstants frame;
+    TileConstants tile;
 };
 
 /* Push constants of box_filter.comp.glsl. */
@@ -63,8 +60,8 @@ struct FilterConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameRecord) == 56 && sizeof(TileDrawRecord) == 80);
-static_assert(sizeof(FacadeMapEntry) == 16 && sizeof(DrawConstants) == 16 && sizeof(FilterConstants) == 32);
+static_assert(sizeof(FrameConstants) == 52 && sizeof(TileConstants) == 72);
+static_assert(sizeof(FacadeMapEntry) == 16 && sizeof(DrawConstants) == 124 && sizeof(FilterConstants) == 32);
 }  // namespace citystream::client
 #endif
 

@@ -28,7 +28,9 @@ Function egl_function(const char* name) {
     return reinterpret_cast<Function>(eglGetProcAddress(name));
 }
 
-std::string text_of(const char* text) { return text == nullptr ? std::string() : std::string(text); }
+std::string text_of(const char* text) {
+    return text == nullptr ? std::string() : std::string(text);
+}
 
 // What only a current GL context can tell.
 void read_context(EglDevice& device) {
@@ -46,12 +48,14 @@ void read_context(EglDevice& device) {
     device.has_uuid = true;
 }
 
-// Displays are not terminated: EGL gives every caller in the process the same display of a device, and another renderer may be using it.
+// Displays are not terminated: EGL gives every caller in the process the same display of a device, and another renderer
+// may be using it.
 void probe_display(EGLDisplay display, EglDevice& device) {
     if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) == EGL_FALSE) return;
     device.name = text_of(eglQueryString(display, EGL_VENDOR));
     const char* extensions = eglQueryString(display, EGL_EXTENSIONS);
-    if (!has_word(extensions, "EGL_KHR_surfaceless_context") || !has_word(extensions, "EGL_KHR_no_config_context")) return;
+    if (!has_word(extensions, "EGL_KHR_surfaceless_context") || !has_word(extensions, "EGL_KHR_no_config_context"))
+        return;
     if (eglBindAPI(EGL_OPENGL_ES_API) == EGL_FALSE) return;
     const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_NONE};
     EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);

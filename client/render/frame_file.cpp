@@ -29,7 +29,8 @@ Status write_png(const std::string& path, const FrameImage& image) {
     spec.attribute("png:compressionLevel", 3);
     if (!output->open(path, spec)) return Error{path + ": " + output->geterror()};
     // Strides of four bytes a pixel: alpha is stepped over.
-    if (!output->write_image(OIIO::TypeDesc::UINT8, image.rgba.data(), 4, 4 * static_cast<OIIO::stride_t>(image.width)) ||
+    if (!output->write_image(OIIO::TypeDesc::UINT8, image.rgba.data(), 4,
+                             4 * static_cast<OIIO::stride_t>(image.width)) ||
         !output->close()) {
         return Error{path + ": " + output->geterror()};
     }

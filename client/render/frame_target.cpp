@@ -48,8 +48,15 @@ VkRenderPass create_render_pass(const Device& device, VkAttachmentLoadOp load) {
     constexpr VkImageLayout kColour = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
     constexpr VkImageLayout kDepth = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
     std::array<VkAttachmentDescription, 2> attachments{};
-    attachments[0] = {0, kColourFormat, VK_SAMPLE_COUNT_1_BIT, load, VK_ATTACHMENT_STORE_OP_STORE,
-                      VK_ATTACHMENT_LOAD_OP_DONT_CARE, VK_ATTACHMENT_STORE_OP_DONT_CARE, kColour, kColour};
+    attachments[0] = {0,
+                      kColourFormat,
+                      VK_SAMPLE_COUNT_1_BIT,
+                      load,
+                      VK_ATTACHMENT_STORE_OP_STORE,
+                      VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+                      VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                      kColour,
+                      kColour};
     attachments[1] = attachments[0];
     attachments[1].format = kDepthFormat;
     attachments[1].initialLayout = attachments[1].finalLayout = kDepth;

@@ -1,4 +1,5 @@
-// What a frame is drawn into: colour and depth images, the two render passes over them, and the way back to host memory.
+// What a frame is drawn into: colour and depth images, the two render passes over them, and the way back to host
+// memory.
 #pragma once
 
 #include "client/render/buffer.h"
@@ -13,15 +14,15 @@ struct Image {
 };
 
 struct FrameTarget {
-    uint32_t width = 0, height = 0;       ///< of the frame that is read back
-    uint32_t scale = 1;                   ///< samples a pixel in each direction
-    Image colour;                         ///< RGBA8, width * scale x height * scale
-    Image depth;                          ///< D32F, reversed: 0 is infinitely far
+    uint32_t width = 0, height = 0;            ///< of the frame that is read back
+    uint32_t scale = 1;                        ///< samples a pixel in each direction
+    Image colour;                              ///< RGBA8, width * scale x height * scale
+    Image depth;                               ///< D32F, reversed: 0 is infinitely far
     VkRenderPass clear_pass = VK_NULL_HANDLE;  ///< clears both
     VkRenderPass load_pass = VK_NULL_HANDLE;   ///< goes on with both
     VkFramebuffer framebuffer = VK_NULL_HANDLE;
-    Buffer samples;                       ///< device memory; only when scale > 1
-    Buffer readback;                      ///< width * height RGBA8
+    Buffer samples;   ///< device memory; only when scale > 1
+    Buffer readback;  ///< width * height RGBA8
 };
 
 FrameTarget create_frame_target(const Device& device, uint32_t width, uint32_t height, uint32_t scale);
@@ -33,7 +34,8 @@ void begin_target(VkCommandBuffer commands, const FrameTarget& target);
 void begin_pass(VkCommandBuffer commands, const FrameTarget& target, VkRenderPass pass, const float clear[4]);
 /// The second pass waits for what the first one wrote.
 void barrier_between_passes(VkCommandBuffer commands);
-/// Copies the colour image to `to` (samples or readback), ready for compute or host reads after a barrier from the transfer stage.
+/// Copies the colour image to `to` (samples or readback), ready for compute or host reads after a barrier from the
+/// transfer stage.
 void copy_colour(VkCommandBuffer commands, const FrameTarget& target, const Buffer& to);
 
 }  // namespace citystream::client

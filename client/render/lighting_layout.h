@@ -7,7 +7,7 @@
 #define LIGHT_SUN 0.5
 /* Unit vector towards the sun (x east, y north, z up): (0.48, -0.64, 0.6). */
 #define LIGHT_SUN_X 0.48
-#define LIGHT_SUN_Y -0.64
+#define LIGHT_SUN_Y (-0.64)
 #define LIGHT_SUN_Z 0.6
 /* Background (sky), sRGB 0..1. */
 #define SKY_R 0.62

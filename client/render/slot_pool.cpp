@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 
 namespace citystream::client {
 namespace {
@@ -21,15 +22,16 @@ void add_chunk(SlotPool& pool) {
     pool.used.resize(pool.used.size() + slots, 0);
 }
 
-// First run of `count` free slots in one chunk of those allocated; the end of `used` when there is none.
-uint64_t find_free_run(const SlotPool& pool, uint64_t count) {
+// First run of `count` free slots in one chunk of those allocated.
+std::optional<uint64_t> find_free_run(const SlotPool& pool, uint64_t count) {
+    if (count > kSlotsPerChunk) return std::nullopt;
     uint64_t run = 0;
     for (uint64_t slot = pool.first_free_hint; slot < pool.used.size(); ++slot) {
         if (slot % kSlotsPerChunk == 0) run = 0;
         run = pool.used[slot] != 0 ? 0 : run + 1;
         if (run == count) return slot + 1 - count;
     }
-    return pool.used.size();
+    return std::nullopt;
 }
 
 void take_slot(SlotPool& pool, SlotLayer& layer, uint64_t slot) {
@@ -53,16 +55,13 @@ bool extend_in_place(SlotPool& pool, SlotLayer& layer, uint64_t count) {
     return true;
 }
 
-// Takes `count` slots, in one run where possible. The caller has checked that the budget holds them.
+// Takes `count` slots, in one run where there is one; new chunks only when the free slots do not suffice. The caller
+// has checked that the budget holds them.
 void take_slots(SlotPool& pool, SlotLayer& layer, uint64_t count) {
     if (count == 0 || extend_in_place(pool, layer, count)) return;
-    uint64_t begin = count <= kSlotsPerChunk ? find_free_run(pool, count) : pool.used.size();
-    while (begin == pool.used.size() && pool.used.size() < pool.slot_count) {
-        add_chunk(pool);
-        if (count <= kSlotsPerChunk) begin = find_free_run(pool, count);
-    }
-    if (begin < pool.used.size()) {
-        for (uint64_t slot = begin; slot < begin + count; ++slot) take_slot(pool, layer, slot);
+    while (pool.used.size() - pool.slots_used < count) add_chunk(pool);
+    if (const std::optional<uint64_t> begin = find_free_run(pool, count)) {
+        for (uint64_t slot = *begin; slot < *begin + count; ++slot) take_slot(pool, layer, slot);
         return;
     }
     for (uint64_t slot = pool.first_free_hint; count > 0; ++slot) {
@@ -154,7 +153,9 @@ void destroy_layer(SlotPool& pool, LayerId id) {
     pool.free_layers.push_back(id);
 }
 
-bool is_live(const SlotPool& pool, LayerId id) { return id < pool.layers.size() && pool.layers[id].live; }
+bool is_live(const SlotPool& pool, LayerId id) {
+    return id < pool.layers.size() && pool.layers[id].live;
+}
 
 VkDeviceAddress slot_address(const SlotPool& pool, uint32_t slot) {
     return pool.chunks[slot / kSlotsPerChunk].address + slot % kSlotsPerChunk * kSlotBytes;

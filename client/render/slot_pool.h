@@ -1,9 +1,10 @@
-// GPU memory for layers: slots of 16 KiB cut from 4 MiB chunks, under a hard budget. A layer is a list of slots that only grows; a freed slot is
-// the next one given out, so a pool never fragments. Chunks are allocated when first needed and never exceed the budget in sum.
+// GPU memory for layers: slots of 16 KiB cut from 4 MiB chunks, under a hard budget. A layer is a list of slots that
+// only grows; a freed slot is the next one given out, so a pool never fragments. Chunks are allocated when first needed
+// and never exceed the budget in sum.
 //
-// Where device memory can be mapped (software drivers, integrated GPUs, large BAR) words are written straight into their slots;
-// otherwise through a staging buffer. Not thread safe. Nothing may be in flight on the queue when slots are written or freed
-// (VulkanRenderer::draw waits for its frame).
+// Where device memory can be mapped (software drivers, integrated GPUs, large BAR) words are written straight into
+// their slots; otherwise through a staging buffer. Not thread safe. Nothing may be in flight on the queue when slots
+// are written or freed (VulkanRenderer::draw waits for its frame).
 #pragma once
 
 #include <span>
@@ -26,15 +27,15 @@ struct SlotLayer {
 
 struct SlotPool {
     const Device* device = nullptr;
-    uint64_t slot_count = 0;            ///< budget / kSlotBytes
+    uint64_t slot_count = 0;  ///< budget / kSlotBytes
     uint64_t slots_used = 0;
-    bool direct = true;                 ///< chunks are mapped
+    bool direct = true;  ///< chunks are mapped
     std::vector<Buffer> chunks;
-    std::vector<uint8_t> used;          ///< one flag a slot of the allocated chunks
-    uint32_t first_free_hint = 0;       ///< no slot below it is free
+    std::vector<uint8_t> used;     ///< one flag a slot of the allocated chunks
+    uint32_t first_free_hint = 0;  ///< no slot below it is free
     std::vector<SlotLayer> layers;
     std::vector<LayerId> free_layers;
-    Buffer staging;                     ///< only when not direct
+    Buffer staging;  ///< only when not direct
 };
 
 /// `allow_direct` false forces the staging way (tests).
@@ -42,7 +43,8 @@ SlotPool create_slot_pool(const Device& device, uint64_t budget_bytes, bool allo
 void destroy_slot_pool(SlotPool& pool);
 
 LayerId create_layer(SlotPool& pool);
-/// Appends words, filling the layer's last slot first. Fails, and changes nothing, when free slots do not suffice or `layer` is not live.
+/// Appends words, filling the layer's last slot first. Fails, and changes nothing, when free slots do not suffice or
+/// `layer` is not live.
 Status append_words(SlotPool& pool, LayerId layer, std::span<const uint32_t> words);
 void destroy_layer(SlotPool& pool, LayerId layer);
 

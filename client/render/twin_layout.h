@@ -15,7 +15,7 @@ namespace citystream::client {
 #define TWIN_HIT_WORDS 4    /* hit, t (float bits), label, axis | sign > 0 << 8 */
 
 struct TwinConstants {
-    uint layer[2];   /* reference as in TileDrawRecord */
+    uint layer[2];   /* reference as in TileConstants */
     uint input_words[2];
     uint output_words[2];
     uint count;      /* corners, texels or rays */

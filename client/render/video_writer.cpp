@@ -95,7 +95,8 @@ Status Mp4Writer::open_file() {
 }
 
 Status Mp4Writer::open() {
-    if (Status status = check(avformat_alloc_output_context2(&format_, nullptr, "mp4", path_.c_str()), "MP4"); !status) {
+    if (Status status = check(avformat_alloc_output_context2(&format_, nullptr, "mp4", path_.c_str()), "MP4");
+        !status) {
         return status;
     }
     if (Status status = open_encoder(); !status) return status;
@@ -106,8 +107,9 @@ Status Mp4Writer::open() {
     frame_->width = encoder_->width;
     frame_->height = encoder_->height;
     if (Status status = check(av_frame_get_buffer(frame_, 0), "frame buffer"); !status) return status;
-    scaler_ = sws_getContext(encoder_->width, encoder_->height, AV_PIX_FMT_RGBA, encoder_->width, encoder_->height,
-                             AV_PIX_FMT_YUV420P, SWS_BILINEAR | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr);
+    scaler_ =
+        sws_getContext(encoder_->width, encoder_->height, AV_PIX_FMT_RGBA, encoder_->width, encoder_->height,
+                       AV_PIX_FMT_YUV420P, SWS_BILINEAR | SWS_ACCURATE_RND | SWS_BITEXACT, nullptr, nullptr, nullptr);
     if (scaler_ == nullptr) return Error{path_ + ": no conversion from RGBA to YUV 4:2:0"};
     const int* table = sws_getCoefficients(SWS_CS_ITU709);
     sws_setColorspaceDetails(scaler_, table, 1, table, 0, 0, 1 << 16, 1 << 16);

@@ -1,4 +1,5 @@
-// Frames as an MP4 film: H.264, 4:2:0, made with libavcodec and libx264. One thread and fixed settings: the same frames give the same bytes.
+// Frames as an MP4 film: H.264, 4:2:0, made with libavcodec and libx264. One thread and fixed settings: the same frames
+// give the same bytes.
 #pragma once
 
 #include <memory>
@@ -10,9 +11,9 @@
 namespace citystream::client {
 
 struct VideoOptions {
-    uint32_t width = 0, height = 0;   ///< of the frames; an odd last column or row is left out of the film
+    uint32_t width = 0, height = 0;  ///< of the frames; an odd last column or row is left out of the film
     uint32_t frames_per_second = 30;
-    int quality = 20;                 ///< x264's constant rate factor: 0 best, 51 worst
+    int quality = 20;  ///< x264's constant rate factor: 0 best, 51 worst
 };
 
 class VideoWriter {

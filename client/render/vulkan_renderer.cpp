@@ -9,7 +9,7 @@
 
 #include "client/render/device_choice.h"
 #include "client/render/draw_layout.h"
-#include "client/render/frame_records.h"
+#include "client/render/frame_constants.h"
 #include "client/render/lighting_layout.h"
 #include "client/render/pipelines.h"
 #include "client/render/slot_pool.h"
@@ -34,7 +34,8 @@ void split(VkDeviceAddress address, uint32_t out[2]) {
     out[1] = static_cast<uint32_t>(address >> 32);
 }
 
-// Distance from the camera to the tile's origin decides the order: exact enough for early depth tests, and the same in every run.
+// Distance from the camera to the tile's origin decides the order: exact enough for early depth tests, and the same in
+// every run.
 double origin_distance(const Camera& camera, const TileDraw& tile) {
     double sum = 0;
     for (size_t i = 0; i < 3; ++i) {
@@ -53,7 +54,9 @@ std::vector<size_t> front_to_back(const Camera& camera, std::span<const TileDraw
     return order;
 }
 
-bool has_facades(const TileDraw& tile) { return tile.facade != kNoLayer && tile.facade_placements > 0; }
+bool has_facades(const TileDraw& tile) {
+    return tile.facade != kNoLayer && tile.facade_placements > 0;
+}
 
 class Renderer final : public VulkanRenderer {
   public:
@@ -81,18 +84,18 @@ class Renderer final : public VulkanRenderer {
   private:
     struct DrawnTile {
         const TileDraw* tile;
-        VkDeviceAddress record;
+        TileConstants constants;
     };
 
-    void ensure_records(uint64_t words);
+    void ensure_tables(uint64_t words);
     void ensure_facade_pass();
     void warm_up(const Pass& pass, bool boxes);
-    Status write_records(const Camera& camera, std::span<const TileDraw> tiles);
+    Status write_tables(const Camera& camera, std::span<const TileDraw> tiles);
     void record_frame(VkCommandBuffer commands);
     void record_meshes(VkCommandBuffer commands);
     void record_facades(VkCommandBuffer commands);
     void record_readback(VkCommandBuffer commands);
-    void push_constants(VkCommandBuffer commands, const Pass& pass, VkDeviceAddress record) const;
+    void push_constants(VkCommandBuffer commands, const Pass& pass, const TileConstants& tile) const;
     void mark(VkCommandBuffer commands, Timestamp stamp) const;
     void read_timestamps(FrameTimings& timings) const;
     FrameImage read_frame() const;
@@ -105,9 +108,9 @@ class Renderer final : public VulkanRenderer {
     FrameTarget target_;
     Pass mesh_, facade_, filter_;
     Buffer box_indices_;
-    Buffer records_;
+    Buffer tables_;
     VkQueryPool timestamps_ = VK_NULL_HANDLE;
-    VkDeviceAddress frame_record_ = 0;
+    FrameConstants frame_{};
     std::vector<DrawnTile> drawn_;
 };
 
@@ -118,7 +121,7 @@ Renderer::~Renderer() {
         destroy_frame_target(device_, target_);
         for (Pass* pass : {&mesh_, &facade_, &filter_}) destroy_pass(device_, *pass);
         destroy_buffer(device_, box_indices_);
-        destroy_buffer(device_, records_);
+        destroy_buffer(device_, tables_);
         vkDestroyQueryPool(device_.handle, timestamps_, nullptr);
     }
     destroy_device(device_);
@@ -148,7 +151,9 @@ Status Renderer::start() {
     return Done{};
 }
 
-uint64_t Renderer::frame_buffer_bytes() const { return memory_bytes(target_) + records_.bytes + box_indices_.bytes; }
+uint64_t Renderer::frame_buffer_bytes() const {
+    return memory_bytes(target_) + tables_.bytes + box_indices_.bytes;
+}
 
 Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
     try {
@@ -158,11 +163,11 @@ Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
     }
 }
 
-void Renderer::ensure_records(uint64_t words) {
+void Renderer::ensure_tables(uint64_t words) {
     const uint64_t bytes = words * 4;
-    if (records_.bytes >= bytes) return;
-    destroy_buffer(device_, records_);
-    records_ = create_buffer(device_, std::max<uint64_t>(64 << 10, bytes + bytes / 2), BufferPlace::kUpload);
+    if (tables_.bytes >= bytes) return;
+    destroy_buffer(device_, tables_);
+    tables_ = create_buffer(device_, std::max<uint64_t>(64 << 10, bytes + bytes / 2), BufferPlace::kUpload);
 }
 
 void Renderer::ensure_facade_pass() {
@@ -178,20 +183,17 @@ void Renderer::ensure_facade_pass() {
 // All-zero words are a tile without vertices, maps or atlas: every corner falls on one point.
 void Renderer::warm_up(const Pass& pass, bool boxes) {
     constexpr uint64_t kZeroWords = 1024;
-    ensure_records(kZeroWords);
-    std::memset(records_.mapped, 0, kZeroWords * 4);
-    TileDrawRecord tile{};
-    split(records_.address | LAYER_REF_DIRECT, tile.mesh);
-    split(records_.address | LAYER_REF_DIRECT, tile.atlas);
-    split(records_.address | LAYER_REF_DIRECT, tile.facade);
-    constexpr uint64_t kRecordWord = kZeroWords - 64;
-    std::memcpy(static_cast<uint32_t*>(records_.mapped) + kRecordWord, &tile, sizeof tile);
-    frame_record_ = records_.address;
+    ensure_tables(kZeroWords);
+    std::memset(tables_.mapped, 0, kZeroWords * 4);
+    TileConstants tile{};
+    for (uint32_t* reference : {tile.mesh, tile.atlas, tile.facade})
+        split(tables_.address | LAYER_REF_DIRECT, reference);
+    frame_ = {};
     submit_and_wait(device_, [&](VkCommandBuffer commands) {
         begin_target(commands, target_);
         begin_pass(commands, target_, target_.clear_pass, clear_.data());
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.handle);
-        push_constants(commands, pass, records_.address + kRecordWord * 4);
+        push_constants(commands, pass, tile);
         if (boxes) {
             vkCmdBindIndexBuffer(commands, box_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
             vkCmdDrawIndexed(commands, 36, 1, 0, 0, 0);
@@ -202,25 +204,23 @@ void Renderer::warm_up(const Pass& pass, bool boxes) {
     });
 }
 
-void Renderer::push_constants(VkCommandBuffer commands, const Pass& pass, VkDeviceAddress record) const {
-    DrawConstants constants{};
-    split(frame_record_, constants.frame);
-    split(record, constants.tile);
+void Renderer::push_constants(VkCommandBuffer commands, const Pass& pass, const TileConstants& tile) const {
+    const DrawConstants constants{frame_, tile};
     vkCmdPushConstants(commands, pass.layout, kDrawStages, 0, sizeof constants, &constants);
 }
 
-Status Renderer::write_records(const Camera& camera, std::span<const TileDraw> tiles) {
-    ensure_records(FrameRecords::bound(pool_, tiles));
+Status Renderer::write_tables(const Camera& camera, std::span<const TileDraw> tiles) {
+    ensure_tables(FrameTables::bound(pool_, tiles));
     const CameraCell cell = camera_cell(camera.position);
-    FrameRecords records(pool_, records_.address);
-    frame_record_ = records.add_frame(make_frame_record(camera, cell));
+    frame_ = make_frame_constants(camera, cell);
+    FrameTables tables(pool_, tables_.address);
     drawn_.clear();
     for (const size_t i : front_to_back(camera, tiles)) {
-        const Result<VkDeviceAddress> record = records.add_tile(tiles[i], cell);
-        if (!record) return record.error();
-        drawn_.push_back({&tiles[i], *record});
+        const Result<TileConstants> constants = tables.add_tile(tiles[i], cell);
+        if (!constants) return constants.error();
+        drawn_.push_back({&tiles[i], *constants});
     }
-    std::memcpy(records_.mapped, records.words().data(), records.words().size_bytes());
+    if (!tables.words().empty()) std::memcpy(tables_.mapped, tables.words().data(), tables.words().size_bytes());
     return Done{};
 }
 
@@ -238,7 +238,7 @@ void Renderer::record_meshes(VkCommandBuffer commands) {
         const TileDraw& tile = *drawn.tile;
         const uint32_t triangles = has_facades(tile) ? tile.mesh_dressed_begin : tile.mesh_triangles;
         if (tile.mesh == kNoLayer || triangles == 0) continue;
-        push_constants(commands, mesh_, drawn.record);
+        push_constants(commands, mesh_, drawn.constants);
         vkCmdDraw(commands, 3 * triangles, 1, 0, 0);
     }
     vkCmdEndRenderPass(commands);
@@ -251,7 +251,7 @@ void Renderer::record_facades(VkCommandBuffer commands) {
     vkCmdBindIndexBuffer(commands, box_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
     for (const DrawnTile& drawn : drawn_) {
         if (!has_facades(*drawn.tile)) continue;
-        push_constants(commands, facade_, drawn.record);
+        push_constants(commands, facade_, drawn.constants);
         vkCmdDrawIndexed(commands, 36, drawn.tile->facade_placements, 0, 0, 0);
     }
     vkCmdEndRenderPass(commands);
@@ -275,7 +275,8 @@ void Renderer::record_readback(VkCommandBuffer commands) {
 }
 
 void Renderer::record_frame(VkCommandBuffer commands) {
-    const bool facades = std::any_of(drawn_.begin(), drawn_.end(), [](const DrawnTile& d) { return has_facades(*d.tile); });
+    const bool facades =
+        std::any_of(drawn_.begin(), drawn_.end(), [](const DrawnTile& d) { return has_facades(*d.tile); });
     if (device_.timestamp_nanoseconds != 0) vkCmdResetQueryPool(commands, timestamps_, 0, kTimestampCount);
     mark(commands, kBegin);
     begin_target(commands, target_);
@@ -316,7 +317,7 @@ Result<FrameImage> Renderer::draw(const Camera& camera, std::span<const TileDraw
     try {
         if (std::any_of(tiles.begin(), tiles.end(), has_facades)) ensure_facade_pass();
         const auto record_begin = Clock::now();
-        if (const Status status = write_records(camera, tiles); !status) return status.error();
+        if (const Status status = write_tables(camera, tiles); !status) return status.error();
         submit_and_wait(device_, [&](VkCommandBuffer commands) {
             record_frame(commands);
             measured.cpu_record_ms = milliseconds_since(record_begin);
@@ -336,7 +337,8 @@ Status check_options(const RendererOptions& options) {
     if (options.width == 0 || options.height == 0 || options.supersample == 0 || options.supersample > 4) {
         return Error{"picture size and samples must be positive, samples at most 4 a side"};
     }
-    if (uint64_t{options.width} * options.supersample > 16384 || uint64_t{options.height} * options.supersample > 16384) {
+    if (uint64_t{options.width} * options.supersample > 16384 ||
+        uint64_t{options.height} * options.supersample > 16384) {
         return Error{"pictures are at most 16384 samples wide and high"};
     }
     return Done{};

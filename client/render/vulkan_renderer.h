@@ -1,4 +1,5 @@
-// The Vulkan renderer: packed layers in fixed-size slots of GPU memory, decoded in the shaders, drawn front to back with reversed z, headless.
+// The Vulkan renderer: packed layers in fixed-size slots of GPU memory, decoded in the shaders, drawn front to back
+// with reversed z, headless.
 #pragma once
 
 #include <memory>
@@ -15,19 +16,20 @@ namespace citystream::client {
 struct RendererOptions {
     uint32_t width = 1280, height = 720;
     uint64_t gpu_budget_bytes = 512ull << 20;  ///< of layer slots; frame buffers are counted apart and reported
-    std::string device;                        ///< part of a device name or an index; empty: the one that matches the EGL device
-    uint32_t supersample = 1;                  ///< 1 or 2: box filter over n x n samples a pixel
-    bool validation = false;                   ///< Khronos validation with synchronization validation; messages are counted
+    std::string device;        ///< part of a device name or an index; empty: the one that matches the EGL device
+    uint32_t supersample = 1;  ///< 1 or 2: box filter over n x n samples a pixel
+    bool validation = false;   ///< Khronos validation with synchronization validation; messages are counted
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h
 };
 
 /// Memory for layers is taken in chunks up to the budget, never beyond. All calls from one thread.
 class VulkanRenderer : public LayerStore {
   public:
+    using LayerStore::create;
     static Result<std::unique_ptr<VulkanRenderer>> create(const RendererOptions& options);
     /// Draws the tiles (the renderer sorts them front to back) and reads the frame back.
     virtual Result<FrameImage> draw(const Camera& camera, std::span<const TileDraw> tiles, FrameTimings* timings) = 0;
-    virtual std::string device_name() const = 0;   ///< with driver name and version
+    virtual std::string device_name() const = 0;  ///< with driver name and version
     virtual uint64_t frame_buffer_bytes() const = 0;
     virtual uint64_t gpu_bytes_allocated() const = 0;  ///< chunks of slots really allocated
     virtual uint64_t validation_messages() const = 0;

@@ -9,7 +9,9 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot(const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 /// A box as centre (relative to the camera) and half extents.
 struct CentredBox {
@@ -55,7 +57,9 @@ Camera Camera::from_sample(const CameraSample& sample, uint32_t width, uint32_t 
     return camera;
 }
 
-double Camera::pixels_per_metre(double d) const { return height / (2 * d * std::tan(fov_y / 2)); }
+double Camera::pixels_per_metre(double d) const {
+    return height / (2 * d * std::tan(fov_y / 2));
+}
 
 double Camera::distance_to(const tiles::tileset::Bounds& bounds, const std::array<double, 2>& origin) const {
     const CentredBox box = centre_box(*this, bounds, origin);

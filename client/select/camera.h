@@ -12,9 +12,9 @@ namespace citystream::client {
 struct Camera {
     std::array<double, 3> position{};  ///< metres, absolute CRS
     std::array<double, 3> right{}, up{}, forward{};
-    double fov_y = 1;                  ///< radians
-    uint32_t width = 0, height = 0;    ///< pixels
-    double near_plane = 0.1;           ///< metres; reversed-z, infinite far plane
+    double fov_y = 1;                ///< radians
+    uint32_t width = 0, height = 0;  ///< pixels
+    double near_plane = 0.1;         ///< metres; reversed-z, infinite far plane
 
     /// Yaw clockwise from north (+y), pitch up; right-handed, z up.
     static Camera from_sample(const CameraSample& sample, uint32_t width, uint32_t height);

@@ -37,8 +37,8 @@ inline uint32_t usable_steps(const DirectoryNode& node, const TileKnowledge& kno
     return usable < listed ? usable : listed;
 }
 
-/// Whether a tile can be drawn in place of its parent: the first steps of its mesh and atlas can be had, and a mesh cut short by damage
-/// is still no worse than the parent would be.
+/// Whether a tile can be drawn in place of its parent: the first steps of its mesh and atlas can be had, and a mesh cut
+/// short by damage is still no worse than the parent would be.
 bool can_be_drawn(const DirectoryCache& directory, const CityKnowledge& knowledge, NodeIndex node);
 
 /// Whether a tile's relief can be drawn: placements and every map they name.

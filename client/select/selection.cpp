@@ -14,11 +14,12 @@ namespace {
 
 /// Steps of the tolerance: four a doubling, up to 2^20 times what was asked for.
 constexpr int kSteepest = 80;
-double raised(double tolerance, int k) { return tolerance * std::exp2(k / 4.0); }
+double raised(double tolerance, int k) {
+    return tolerance * std::exp2(k / 4.0);
+}
 
 bool fits(const SelectionCost& cost, const SelectionBudget& budget) {
-    const uint64_t host =
-        cost.wire_bytes + cost.layers * budget.host_bytes_per_layer + 2 * cost.largest_decoded;
+    const uint64_t host = cost.wire_bytes + cost.layers * budget.host_bytes_per_layer + 2 * cost.largest_decoded;
     return cost.slots <= budget.slots && host <= budget.host_bytes;
 }
 
@@ -40,9 +41,8 @@ bool has_usable_relief(const DirectoryCache& directory, const CityKnowledge& kno
     const DirectoryNode& node = directory.node(index);
     const TileKnowledge& known = knowledge.tiles[index];
     if (knowledge.facades_broken || usable_steps(node, known, Layer::kFacade) == 0) return false;
-    return std::none_of(known.facade_maps.begin(), known.facade_maps.end(), [&](uint32_t map) {
-        return map < knowledge.broken_maps.size() && knowledge.broken_maps[map];
-    });
+    return std::none_of(known.facade_maps.begin(), known.facade_maps.end(),
+                        [&](uint32_t map) { return map < knowledge.broken_maps.size() && knowledge.broken_maps[map]; });
 }
 
 uint8_t shortest_prefix(const std::vector<StepRecord>& steps, uint32_t usable, double pixels_per_metre,
@@ -82,7 +82,8 @@ const Selector::View& Selector::view_of(NodeIndex index) {
     return view;
 }
 
-/// Selects for the part of the picture that `index` covers. False: some of it cannot be drawn from here and below; what could be was added.
+/// Selects for the part of the picture that `index` covers. False: some of it cannot be drawn from here and below; what
+/// could be was added.
 bool Selector::visit(NodeIndex index, Selection& out) {
     const View view = view_of(index);
     if (!view.visible) return true;
@@ -124,9 +125,8 @@ void Selector::take(NodeIndex index, const View& view, Selection& out) {
     tile.node = index;
     tile.pixels_per_metre = view.pixels_per_metre;
     for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
-        tile.steps[static_cast<size_t>(layer)] =
-            shortest_prefix(node.record->steps(layer), usable_steps(node, known, layer), view.pixels_per_metre,
-                            out.tolerance);
+        tile.steps[static_cast<size_t>(layer)] = shortest_prefix(
+            node.record->steps(layer), usable_steps(node, known, layer), view.pixels_per_metre, out.tolerance);
     }
     const bool relief_shows = node.record->flat_facade_error * view.pixels_per_metre > out.tolerance;
     if (relief_shows && has_usable_relief(directory_, knowledge_, index)) {

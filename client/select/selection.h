@@ -1,4 +1,5 @@
-// The one rule: for every visible tile and layer the shortest prefix whose error, projected to the screen, is below the tolerance.
+// The one rule: for every visible tile and layer the shortest prefix whose error, projected to the screen, is below the
+// tolerance.
 #pragma once
 
 #include <array>
@@ -27,11 +28,11 @@ struct SelectionCost {
 };
 
 struct Selection {
-    double tolerance = 0;             ///< pixels: what the tiles were chosen with
-    std::vector<SelectedTile> tiles;  ///< depth first: neighbours in the tree are neighbours here
+    double tolerance = 0;                               ///< pixels: what the tiles were chosen with
+    std::vector<SelectedTile> tiles;                    ///< depth first: neighbours in the tree are neighbours here
     std::vector<tiles::tileset::TileAddress> subtrees;  ///< not loaded yet, but needed to refine
     SelectionCost cost;
-    bool fits = true;                 ///< false: even the coarsest choice breaks a budget, and far tiles were left out
+    bool fits = true;  ///< false: even the coarsest choice breaks a budget, and far tiles were left out
 };
 
 /// Limits of a selection. Wire bytes of all that is selected are kept in host memory beside `2 x largest_decoded`.
@@ -42,7 +43,8 @@ struct SelectionBudget {
     uint64_t host_bytes_per_layer = 0;  ///< book-keeping of a layer, beside its wire bytes
 };
 
-/// Walks the directory for cameras. Results depend on its arguments only; the object holds scratch memory (one thread at a time).
+/// Walks the directory for cameras. Results depend on its arguments only; the object holds scratch memory (one thread
+/// at a time).
 class Selector {
   public:
     Selector(const DirectoryCache& directory, const CityKnowledge& knowledge)
@@ -51,7 +53,8 @@ class Selector {
     /// The rule at exactly this tolerance, whatever it costs. O(visible tiles and their ancestors).
     Selection select(const Camera& camera, double tolerance, uint64_t slot_bytes);
 
-    /// The rule at the smallest tolerance tolerance * 2^(k/4), k = 0, 1, ..., whose cost fits (searched by doubling and bisection).
+    /// The rule at the smallest tolerance tolerance * 2^(k/4), k = 0, 1, ..., whose cost fits (searched by doubling and
+    /// bisection).
     Selection select_within(const Camera& camera, double tolerance, const SelectionBudget& budget);
 
     /// Of the camera of the last selection, for any node of the directory.
@@ -81,7 +84,8 @@ class Selector {
     uint64_t view_stamp_ = 0, cost_stamp_ = 0;
 };
 
-/// Shortest prefix (number of steps, at least 1) whose error in metres projects to at most `tolerance` pixels, else all `usable` steps.
+/// Shortest prefix (number of steps, at least 1) whose error in metres projects to at most `tolerance` pixels, else all
+/// `usable` steps.
 uint8_t shortest_prefix(const std::vector<tiles::tileset::StepRecord>& steps, uint32_t usable, double pixels_per_metre,
                         double tolerance);
 

@@ -8,7 +8,8 @@
 
 namespace citystream::client {
 
-/// Bytes of "NUMBER[UNIT]": B, KiB, MiB, GiB, TiB (powers of 1024), KB, MB, GB, TB (powers of 1000); any case; fractions allowed.
+/// Bytes of "NUMBER[UNIT]": B, KiB, MiB, GiB, TiB (powers of 1024), KB, MB, GB, TB (powers of 1000); any case;
+/// fractions allowed.
 Result<uint64_t> parse_byte_count(const std::string& text);
 
 }  // namespace citystream::client

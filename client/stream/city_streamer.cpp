@@ -26,8 +26,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr uint64_t kManifestLimit = 4u << 20;
-constexpr int kMostRounds = 256;  // of one waiting update; each learns something, so this is never the limit in practice
+constexpr int kMostRounds =
+    256;  // of one waiting update; each learns something, so this is never the limit in practice
 constexpr std::chrono::milliseconds kWaitSlice{100};
+constexpr uint32_t kUnwantedUpdates =
+    2;  // before a request is cancelled: a view that wavers at a threshold wastes no bytes
 constexpr double kFirstPauseSeconds = 0.5, kLongestPauseSeconds = 30;
 
 double milliseconds_since(Clock::time_point begin) {
@@ -35,7 +38,9 @@ double milliseconds_since(Clock::time_point begin) {
 }
 
 /// Most bytes of one subtree file: bounds what a request of unknown length can bring.
-uint64_t subtree_limit(uint64_t host_budget) { return std::clamp<uint64_t>(host_budget / 16, 64u << 10, 16u << 20); }
+uint64_t subtree_limit(uint64_t host_budget) {
+    return std::clamp<uint64_t>(host_budget / 16, 64u << 10, 16u << 20);
+}
 
 /// "path: why", unless the reason names the path itself (an address does).
 std::string about(const std::string& path, const std::string& why) {
@@ -112,6 +117,7 @@ class Streamer final : public CityStreamer {
         PlannedRequest request;
         uint64_t reserved = 0;
         bool cancelled = false;
+        uint32_t unwanted = 0;  ///< updates in a row that had no use for it
     };
     /// By node: serial of the selection for which each holds.
     struct Mark {
@@ -176,7 +182,8 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
     return draws_;
 }
 
-/// Rounds of choosing and fetching until the choice is here. What a choice turns out to depend on (subtrees, placements, damage) makes another round.
+/// Rounds of choosing and fetching until the choice is here. What a choice turns out to depend on (subtrees,
+/// placements, damage) makes another round.
 void Streamer::advance_waiting(const Camera& camera) {
     for (int round = 0; round < kMostRounds && !stopped(); ++round) {
         choose(camera);
@@ -284,8 +291,8 @@ uint64_t Streamer::needed_slots() {
     return slots;
 }
 
-/// Prefixes that are resident beyond what is wanted now are cut back when the budgets need their room; the shorter prefix
-/// comes back from the wire bytes, not from the network.
+/// Prefixes that are resident beyond what is wanted now are cut back when the budgets need their room; the shorter
+/// prefix comes back from the wire bytes, not from the network.
 void Streamer::trim_to_budget() {
     uint64_t slots = needed_slots();
     uint64_t wire_surplus = 0;
@@ -331,8 +338,9 @@ void Streamer::count_hits() {
 
 std::vector<PlannedRequest> Streamer::plan(const Camera& camera, bool directory_first) {
     const NodeIndex first = options_.wait_for_selection || directory_.nodes().empty() ? kNoNode : NodeIndex{0};
-    std::vector<PlannedRequest> requests = plan_requests(directory_, knowledge_, cache_, selection_, needed_, first,
-                                                         camera, {directory_first, facade_index_requested_});
+    std::vector<PlannedRequest> requests =
+        plan_requests(directory_, knowledge_, cache_, selection_, needed_, first, camera,
+                      {directory_first, !directory_first, facade_index_requested_});
     std::erase_if(requests, [&](const PlannedRequest& request) {
         return request.kind == RequestKind::kSubtree &&
                std::any_of(in_flight_.begin(), in_flight_.end(), [&](const auto& entry) {
@@ -366,14 +374,20 @@ void Streamer::submit(const PlannedRequest& request) {
             fetch.path = subtree_path(request.subtree);
             fetch.limit = reserved = subtree_limit(host_.budget);
             break;
-        case RequestKind::kFacadeIndex: fetch.path = tiles::tileset::kFacadeIndexPath; break;
-        case RequestKind::kLayer: fetch.path = layer_path(request.layer, directory_.node(request.node).record->address); break;
-        case RequestKind::kMaps: fetch.path = tiles::tileset::kFacadeMapsPath; break;
+        case RequestKind::kFacadeIndex:
+            fetch.path = tiles::tileset::kFacadeIndexPath;
+            break;
+        case RequestKind::kLayer:
+            fetch.path = layer_path(request.layer, directory_.node(request.node).record->address);
+            break;
+        case RequestKind::kMaps:
+            fetch.path = tiles::tileset::kFacadeMapsPath;
+            break;
     }
     host_.in_flight += reserved;
     host_.note_peak();
     set_requested(request, true);
-    in_flight_.emplace(fetch.id, InFlight{request, reserved, false});
+    in_flight_.emplace(fetch.id, InFlight{request, reserved, false, 0});
     ++frame_->requests;
     fetcher_.submit(std::move(fetch));
 }
@@ -400,12 +414,14 @@ bool Streamer::drain(const std::vector<PlannedRequest>& requests) {
 bool Streamer::still_wanted(const PlannedRequest& request) {
     switch (request.kind) {
         case RequestKind::kSubtree:
-        case RequestKind::kFacadeIndex: return true;
+        case RequestKind::kFacadeIndex:
+            return true;
         case RequestKind::kLayer: {
             const SelectedTile* tile = wanted_tile(request.node);
             return tile != nullptr && tile->steps_of(request.layer) > request.from;
         }
-        case RequestKind::kMaps: break;
+        case RequestKind::kMaps:
+            break;
     }
     for (uint32_t map = request.from; map < request.to; ++map) {
         if (cache_.is_needed(cache_.at(map_key(map)))) return true;
@@ -415,7 +431,9 @@ bool Streamer::still_wanted(const PlannedRequest& request) {
 
 void Streamer::cancel_unwanted() {
     for (auto& [id, under_way] : in_flight_) {
-        if (under_way.cancelled || still_wanted(under_way.request)) continue;
+        if (under_way.cancelled) continue;
+        under_way.unwanted = still_wanted(under_way.request) ? 0 : under_way.unwanted + 1;
+        if (under_way.unwanted < kUnwantedUpdates) continue;
         under_way.cancelled = true;
         fetcher_.cancel(id);
     }
@@ -447,9 +465,15 @@ void Streamer::receive(FetchResult& result) {
         return;
     }
     switch (request.kind) {
-        case RequestKind::kSubtree: receive_subtree(request, bytes); break;
-        case RequestKind::kFacadeIndex: receive_facade_index(bytes); break;
-        default: receive_layers(request, bytes); break;
+        case RequestKind::kSubtree:
+            receive_subtree(request, bytes);
+            break;
+        case RequestKind::kFacadeIndex:
+            receive_facade_index(bytes);
+            break;
+        default:
+            receive_layers(request, bytes);
+            break;
     }
 }
 
@@ -567,7 +591,8 @@ void Streamer::make_draws() {
     frame_->tolerance_used = selection_.tolerance;
 }
 
-/// Waiting mode draws exactly the chosen prefixes, so that a frame depends on its camera alone; realtime mode draws all that is resident.
+/// Waiting mode draws exactly the chosen prefixes, so that a frame depends on its camera alone; realtime mode draws all
+/// that is resident.
 void Streamer::add_draw(NodeIndex node) {
     const SelectedTile* tile = is_selected(node) ? wanted_tile(node) : nullptr;
     std::array<uint8_t, kLayerCount> steps;

@@ -26,7 +26,8 @@ Result<std::unique_ptr<Fetcher>> Fetcher::open(const std::string& place, const F
     std::error_code failure;
     const std::filesystem::file_status status = std::filesystem::status(place, failure);
     if (!std::filesystem::exists(status)) {
-        return Error{place + ": no such file or folder (expected a .3tz archive, an unpacked folder or http://host:port)"};
+        return Error{place +
+                     ": no such file or folder (expected a .3tz archive, an unpacked folder or http://host:port)"};
     }
     if (std::filesystem::is_directory(status)) return open_folder_fetcher(place, options);
     const std::filesystem::path path(place);

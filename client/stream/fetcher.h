@@ -24,9 +24,11 @@ class NetworkThreads;
 
 struct FetcherOptions {
     uint32_t connections = 6;
-    std::shared_ptr<NetworkThreads> network;  ///< share I/O threads among many HTTP fetchers; null: one thread of its own
-    std::optional<NetworkShape> shape;   ///< token bucket on received bytes, half the round trip each way
-    uint32_t max_attempts = 8;           ///< retries with exponential backoff and jitter from a fixed seed; fewer until a server has answered once
+    std::shared_ptr<NetworkThreads>
+        network;                        ///< share I/O threads among many HTTP fetchers; null: one thread of its own
+    std::optional<NetworkShape> shape;  ///< token bucket on received bytes, half the round trip each way
+    uint32_t max_attempts =
+        8;  ///< retries with exponential backoff and jitter from a fixed seed; fewer until a server has answered once
     double first_backoff_seconds = 0.1;
     double timeout_seconds = 15;
 };
@@ -46,12 +48,12 @@ class NetworkThreads {
 };
 
 struct FetchRequest {
-    uint64_t id = 0;       ///< the caller's; unique among requests under way
-    std::string path;      ///< relative to tileset.json
+    uint64_t id = 0;   ///< the caller's; unique among requests under way
+    std::string path;  ///< relative to tileset.json
     uint64_t offset = 0;
-    uint64_t length = 0;   ///< 0 = the whole entry, at most `limit` bytes
+    uint64_t length = 0;  ///< 0 = the whole entry, at most `limit` bytes
     uint64_t limit = 64u << 20;
-    double priority = 0;   ///< larger first among those not yet sent
+    double priority = 0;  ///< larger first among those not yet sent
 };
 
 struct FetchResult {
@@ -59,20 +61,21 @@ struct FetchResult {
     Result<std::vector<std::byte>> bytes;
     bool cancelled = false;
     uint32_t attempts = 1;
-    double seconds = 0;    ///< from being sent to the last byte
+    double seconds = 0;  ///< from being sent to the last byte
 };
 
 struct FetcherStatistics {
     uint64_t requests = 0, retries = 0, failures = 0, cancelled = 0;
-    uint64_t body_bytes = 0;    ///< of answers, as received
+    uint64_t body_bytes = 0;  ///< of answers, as received
     uint64_t header_bytes = 0;
 };
 
 /// Thread contract: all calls from one thread; work happens on threads of its own.
 class Fetcher {
   public:
-    /// `place`: "http://host:port[/city[/tileset.json]]", a .3tz file, or an unpacked folder. An HTTP place without a path asks the server's list (/cities.json)
-    /// and takes the only city there (an error names them when there are several).
+    /// `place`: "http://host:port[/city[/tileset.json]]", a .3tz file, or an unpacked folder. An HTTP place without a
+    /// path asks the server's list (/cities.json) and takes the only city there (an error names them when there are
+    /// several).
     static Result<std::unique_ptr<Fetcher>> open(const std::string& place, const FetcherOptions& options);
     virtual ~Fetcher() = default;
     virtual void submit(FetchRequest request) = 0;

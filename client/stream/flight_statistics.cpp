@@ -11,7 +11,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Measure = std::function<double(const FlightFrame&)>;
 
-double milliseconds(double value) { return std::round(value * 1000) / 1000; }
+double milliseconds(double value) {
+    return std::round(value * 1000) / 1000;
+}
 
 Json frame_json(const FlightFrame& frame) {
     const StreamerFrame& s = frame.stream;
@@ -31,7 +33,10 @@ Json frame_json(const FlightFrame& frame) {
             {"tiles", {{"drawn", s.tiles_drawn}, {"wanted", s.tiles_wanted}, {"missing", s.tiles_missing}}},
             {"requests", s.requests},
             {"bytes",
-             {{"wire", s.wire_bytes}, {"decoded", s.decoded_bytes}, {"gpu", s.gpu_bytes_used}, {"host", s.host_bytes_used}}},
+             {{"wire", s.wire_bytes},
+              {"decoded", s.decoded_bytes},
+              {"gpu", s.gpu_bytes_used},
+              {"host", s.host_bytes_used}}},
             {"cache", {{"hits", s.cache_hits}, {"misses", s.cache_misses}}},
             {"tolerance_used", s.tolerance_used},
             {"achieved_error_pixels", s.achieved_error_pixels},
@@ -87,33 +92,35 @@ Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::stri
         for (const FlightFrame& frame : frames) value = std::max(value, measure(frame));
         return value;
     };
-    return {{"frames", frames.size()},
-            {"stopped_early", totals.stopped_early},
-            {"ms", times_json(frames)},
-            {"tiles_drawn", spread(frames, [](const FlightFrame& f) { return static_cast<double>(f.stream.tiles_drawn); })},
-            {"tiles_missing", sum(frames, [](const FlightFrame& f) { return f.stream.tiles_missing; })},
-            {"bytes",
-             {{"wire", sum(frames, [](const FlightFrame& f) { return f.stream.wire_bytes; })},
-              {"decoded", sum(frames, [](const FlightFrame& f) { return f.stream.decoded_bytes; })},
-              {"gpu_max", static_cast<uint64_t>(most([](const FlightFrame& f) { return static_cast<double>(f.stream.gpu_bytes_used); }))},
-              {"host_max", static_cast<uint64_t>(most([](const FlightFrame& f) { return static_cast<double>(f.stream.host_bytes_used); }))},
-              {"gpu_allocated", totals.gpu_bytes_allocated},
-              {"frame_buffers", totals.frame_buffer_bytes}}},
-            {"cache",
-             {{"hits", sum(frames, [](const FlightFrame& f) { return f.stream.cache_hits; })},
-              {"misses", sum(frames, [](const FlightFrame& f) { return f.stream.cache_misses; })}}},
-            {"network",
-             {{"requests", net.requests},
-              {"retries", net.retries},
-              {"failures", net.failures},
-              {"cancelled", net.cancelled},
-              {"body_bytes", net.body_bytes},
-              {"header_bytes", net.header_bytes}}},
-            {"tolerance_used_max", most([](const FlightFrame& f) { return f.stream.tolerance_used; })},
-            {"achieved_error_pixels",
-             spread(frames, [](const FlightFrame& f) { return f.stream.achieved_error_pixels; })},
-            {"validation_messages", totals.validation_messages},
-            {"warnings", warnings.size()}};
+    return {
+        {"frames", frames.size()},
+        {"stopped_early", totals.stopped_early},
+        {"ms", times_json(frames)},
+        {"tiles_drawn", spread(frames, [](const FlightFrame& f) { return static_cast<double>(f.stream.tiles_drawn); })},
+        {"tiles_missing", sum(frames, [](const FlightFrame& f) { return f.stream.tiles_missing; })},
+        {"bytes",
+         {{"wire", sum(frames, [](const FlightFrame& f) { return f.stream.wire_bytes; })},
+          {"decoded", sum(frames, [](const FlightFrame& f) { return f.stream.decoded_bytes; })},
+          {"gpu_max", static_cast<uint64_t>(
+                          most([](const FlightFrame& f) { return static_cast<double>(f.stream.gpu_bytes_used); }))},
+          {"host_max", static_cast<uint64_t>(
+                           most([](const FlightFrame& f) { return static_cast<double>(f.stream.host_bytes_used); }))},
+          {"gpu_allocated", totals.gpu_bytes_allocated},
+          {"frame_buffers", totals.frame_buffer_bytes}}},
+        {"cache",
+         {{"hits", sum(frames, [](const FlightFrame& f) { return f.stream.cache_hits; })},
+          {"misses", sum(frames, [](const FlightFrame& f) { return f.stream.cache_misses; })}}},
+        {"network",
+         {{"requests", net.requests},
+          {"retries", net.retries},
+          {"failures", net.failures},
+          {"cancelled", net.cancelled},
+          {"body_bytes", net.body_bytes},
+          {"header_bytes", net.header_bytes}}},
+        {"tolerance_used_max", most([](const FlightFrame& f) { return f.stream.tolerance_used; })},
+        {"achieved_error_pixels", spread(frames, [](const FlightFrame& f) { return f.stream.achieved_error_pixels; })},
+        {"validation_messages", totals.validation_messages},
+        {"warnings", warnings.size()}};
 }
 
 }  // namespace

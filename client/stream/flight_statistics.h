@@ -13,7 +13,7 @@ namespace citystream::client {
 
 struct FlightFrame {
     uint64_t index = 0;
-    double t = 0;         ///< seconds of the path
+    double t = 0;  ///< seconds of the path
     StreamerFrame stream;
     FrameTimings timings;
     double total_ms = 0;  ///< update and drawing

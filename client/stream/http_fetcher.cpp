@@ -56,7 +56,7 @@ namespace {
 constexpr auto kTuple = asio::as_tuple(asio::use_awaitable);
 constexpr size_t kChunkBytes = 16384;
 constexpr uint32_t kHeaderLimit = 16384;
-constexpr uint32_t kFirstContactAttempts = 4;     // a server that never answered is given up on sooner
+constexpr uint32_t kFirstContactAttempts = 4;        // a server that never answered is given up on sooner
 constexpr uint64_t kWorthClosingBytes = 256u << 10;  // of a cancelled answer still to come
 
 /// How one try ended. Final errors are not tried again: the server answered, and would answer the same.
@@ -76,10 +76,13 @@ struct Connection {
     bool used = false;  ///< has carried an answer
 };
 
-/// All state of one fetcher's connections; touched on the strand only, but for the queue and the link, which are thread-safe.
+/// All state of one fetcher's connections; touched on the strand only, but for the queue and the link, which are
+/// thread-safe.
 struct HttpState : std::enable_shared_from_this<HttpState> {
     HttpState(asio::io_context& context, HttpPlace where, const FetcherOptions& fetcher_options)
         : strand(asio::make_strand(context)), place(std::move(where)), options(fetcher_options), link(options.shape) {
+        // The state may be let go of on an I/O thread, which must not be the one to join itself.
+        options.network.reset();
         for (uint32_t i = 0; i < std::max(1u, options.connections); ++i) {
             connections.push_back(std::make_unique<Connection>(strand));
         }
@@ -177,7 +180,8 @@ uint32_t HttpState::attempts_allowed() const {
     return ever_answered ? most : std::min(most, kFirstContactAttempts);
 }
 
-/// Doubles with each attempt; +-25 % from a hash of request and attempt, so that runs repeat and clients do not march in step.
+/// Doubles with each attempt; +-25 % from a hash of request and attempt, so that runs repeat and clients do not march
+/// in step.
 Clock::duration HttpState::backoff(uint32_t attempt, uint64_t id) const {
     uint64_t hash = (id + 1) * 0x9E3779B97F4A7C15u + attempt * 0xD1B54A32D192ED03u;
     hash ^= hash >> 29;
@@ -229,8 +233,8 @@ asio::awaitable<std::string> HttpState::connect(Connection& connection) {
     auto [lookup, endpoints] = co_await resolver.async_resolve(host, place.port, kTuple);
     if (lookup) co_return "cannot find host " + place.host + ": " + lookup.message();
     if (stopping) co_return "stopped";
-    connection.stream.expires_after(std::chrono::duration_cast<Clock::duration>(
-        std::chrono::duration<double>(options.timeout_seconds)));
+    connection.stream.expires_after(
+        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.timeout_seconds)));
     auto [status, endpoint] = co_await connection.stream.async_connect(endpoints, kTuple);
     if (status) co_return "cannot connect: " + status.message();
     error_code ignored;
@@ -274,8 +278,8 @@ asio::awaitable<void> HttpState::read_body(Connection& connection, const FetchRe
     while (!parser.is_done()) {
         parser.get().body().data = chunk.data();
         parser.get().body().size = chunk.size();
-        connection.stream.expires_after(std::chrono::duration_cast<Clock::duration>(
-            std::chrono::duration<double>(options.timeout_seconds)));
+        connection.stream.expires_after(
+            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.timeout_seconds)));
         auto [status, read] = co_await http::async_read_some(connection.stream, connection.buffer, parser, kTuple);
         if (status == http::error::need_buffer) status = {};
         const uint64_t got = chunk.size() - parser.get().body().size;
@@ -331,8 +335,8 @@ asio::awaitable<Attempt> HttpState::attempt(Connection& connection, const FetchR
     }
     const http::request<http::empty_body> message = make_request(place, request);
     const Clock::time_point sent = Clock::now();
-    connection.stream.expires_after(std::chrono::duration_cast<Clock::duration>(
-        std::chrono::duration<double>(options.timeout_seconds)));
+    connection.stream.expires_after(
+        std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.timeout_seconds)));
     auto [write_status, written] = co_await http::async_write(connection.stream, message, kTuple);
     http::response_parser<http::buffer_body> parser;
     parser.body_limit(boost::none);
@@ -414,8 +418,8 @@ Status choose_listed_city(HttpFetcher& fetcher, const std::string& url) {
     if (cities->size() > 1) {
         std::string names;
         for (size_t i = 0; i < cities->size() && i < 10; ++i) names += (i > 0 ? ", " : "") + (*cities)[i].name;
-        return Error{url + ": the server has " + std::to_string(cities->size()) + " cities; add one to the address: " +
-                     names + (cities->size() > 10 ? ", ..." : "")};
+        return Error{url + ": the server has " + std::to_string(cities->size()) +
+                     " cities; add one to the address: " + names + (cities->size() > 10 ? ", ..." : "")};
     }
     fetcher.set_base(cities->front().base);
     return Done{};

@@ -58,8 +58,8 @@ Result<LayerFacts> check_facade(const DecodedPrefix& prefix, uint32_t chart_coun
 
 }  // namespace
 
-bool decompress_prefix(std::span<const std::vector<std::byte>> wire,
-                       std::span<const tiles::tileset::StepRecord> steps, DecodedPrefix& out, DecodeFailure& failure) {
+bool decompress_prefix(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
+                       DecodedPrefix& out, DecodeFailure& failure) {
     out = {};
     uint64_t total = 0;
     for (const auto& step : steps) total += step.decoded_bytes / 4;
@@ -77,10 +77,14 @@ bool decompress_prefix(std::span<const std::vector<std::byte>> wire,
 
 Result<LayerFacts> check_layer(Layer layer, const DecodedPrefix& prefix, uint32_t chart_count, uint32_t map_count) {
     switch (layer) {
-        case Layer::kMesh: return check_mesh(prefix, chart_count);
-        case Layer::kAtlas: return check_atlas(prefix);
-        case Layer::kFacade: return check_facade(prefix, chart_count, map_count);
-        case Layer::kRadiance: break;
+        case Layer::kMesh:
+            return check_mesh(prefix, chart_count);
+        case Layer::kAtlas:
+            return check_atlas(prefix);
+        case Layer::kFacade:
+            return check_facade(prefix, chart_count, map_count);
+        case Layer::kRadiance:
+            break;
     }
     return Error{"this version draws no radiance layers"};
 }

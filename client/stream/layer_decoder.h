@@ -35,10 +35,11 @@ struct DecodeFailure {
 };
 
 /// Decompresses steps [0, count). `wire[i]` are the bytes of step i. On failure `failure` names the step.
-bool decompress_prefix(std::span<const std::vector<std::byte>> wire,
-                       std::span<const tiles::tileset::StepRecord> steps, DecodedPrefix& out, DecodeFailure& failure);
+bool decompress_prefix(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
+                       DecodedPrefix& out, DecodeFailure& failure);
 
-/// Checks the words of a prefix as the codec of `layer` does. `chart_count`: of the tile's atlas (mesh and facade); `map_count`: of the dictionary (facade).
+/// Checks the words of a prefix as the codec of `layer` does. `chart_count`: of the tile's atlas (mesh and facade);
+/// `map_count`: of the dictionary (facade).
 Result<LayerFacts> check_layer(tiles::tileset::Layer layer, const DecodedPrefix& prefix, uint32_t chart_count,
                                uint32_t map_count);
 

@@ -1,4 +1,5 @@
-// Fetchers of places on this machine: a mapped 3TZ archive, an unpacked folder. One worker thread reads; the shaped link delays.
+// Fetchers of places on this machine: a mapped 3TZ archive, an unpacked folder. One worker thread reads; the shaped
+// link delays.
 #pragma once
 
 #include <functional>
@@ -12,7 +13,8 @@ namespace citystream::client {
 /// Reads the bytes that a request names, or says why not. Called from one worker thread.
 using ByteSource = std::function<Result<std::vector<std::byte>>(const FetchRequest&)>;
 
-/// What a request of `entry_size` bytes reads: its offset and length, checked. Length 0 asks for the whole entry, at most `limit` bytes.
+/// What a request of `entry_size` bytes reads: its offset and length, checked. Length 0 asks for the whole entry, at
+/// most `limit` bytes.
 struct ByteRange {
     uint64_t offset = 0, length = 0;
 };

@@ -37,7 +37,8 @@ Result<NetworkShape> NetworkShape::parse(const std::string& text) {
         const std::string_view part = rest.substr(0, comma);
         double value = 0;
         const auto [end, status] = std::from_chars(part.data(), part.data() + part.size(), value);
-        if (status != std::errc{} || !(value >= 0) || value > 1e12) return bad_shape(text, "a number is missing or out of range");
+        if (status != std::errc{} || !(value >= 0) || value > 1e12)
+            return bad_shape(text, "a number is missing or out of range");
         const std::string_view name(end, static_cast<size_t>(part.data() + part.size() - end));
         const auto unit = std::find_if(kUnits.begin(), kUnits.end(), [&](const Unit& u) { return u.name == name; });
         if (unit == kUnits.end()) return bad_shape(text, "unknown unit \"" + std::string(name) + "\"");

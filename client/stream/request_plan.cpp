@@ -13,12 +13,13 @@ using tiles::tileset::TileRecord;
 namespace {
 
 constexpr double kFirstTilePriority = 1e290;  // before the directory: it is the first picture
-constexpr double kLeastGain = 1e-3;  // pixels: keeps an order among steps that promise nothing
+constexpr double kLeastGain = 1e-3;           // pixels: keeps an order among steps that promise nothing
 
 class Planner {
   public:
-    Planner(const DirectoryCache& directory, const CityKnowledge& knowledge, LayerCache& cache, const Camera& camera)
-        : directory_(directory), knowledge_(knowledge), cache_(cache), camera_(camera) {}
+    Planner(const DirectoryCache& directory, const CityKnowledge& knowledge, LayerCache& cache, const Camera& camera,
+            bool coarse_first)
+        : directory_(directory), knowledge_(knowledge), cache_(cache), camera_(camera), coarse_first_(coarse_first) {}
 
     void add_subtrees(const Selection& selection) {
         for (const auto& address : selection.subtrees) {
@@ -43,11 +44,13 @@ class Planner {
 
   private:
     double error_before(const SelectedTile& tile, const CachedLayer& entry, Layer layer) const;
+    uint64_t bytes_to_weigh(const PlannedRequest& request) const;
 
     const DirectoryCache& directory_;
     const CityKnowledge& knowledge_;
     LayerCache& cache_;
     const Camera& camera_;
+    bool coarse_first_;
 };
 
 /// Metres of error on the screen until the request is here: of the resident prefix, or of what stands in for the tile.
@@ -55,13 +58,35 @@ double Planner::error_before(const SelectedTile& tile, const CachedLayer& entry,
     const DirectoryNode& node = directory_.node(tile.node);
     if (layer == Layer::kFacade) return node.record->flat_facade_error;
     if (entry.store_steps > 0) return node.record->steps(layer)[entry.store_steps - 1].error;
-    if (node.parent == kNoNode) return directory_.manifest().root_geometric_error;
-    return directory_.node(node.parent).record->geometric_error;
+    for (NodeIndex up = node.parent; up != kNoNode; up = directory_.node(up).parent) {
+        const CachedLayer* mesh = cache_.find(layer_key(up, Layer::kMesh));
+        if (mesh != nullptr && mesh->store_steps > 0) return directory_.node(up).record->geometric_error;
+    }
+    return directory_.manifest().root_geometric_error;
+}
+
+/// A tile shows when both its mesh and its atlas have begun, so their first requests are weighed together and arrive
+/// together.
+uint64_t Planner::bytes_to_weigh(const PlannedRequest& request) const {
+    if (request.from > 0 || request.layer == Layer::kFacade) return std::max<uint64_t>(1, request.length);
+    const TileRecord& record = *directory_.node(request.node).record;
+    uint64_t bytes = 0;
+    for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
+        const CachedLayer* entry = cache_.find(layer_key(request.node, layer));
+        const bool begun = entry != nullptr && (entry->wire_steps > 0 || entry->store_steps > 0);
+        if (layer == request.layer) {
+            bytes += request.length;
+        } else if (!begun && !record.steps(layer).empty()) {
+            bytes += record.steps(layer).front().end;
+        }
+    }
+    return std::max<uint64_t>(1, bytes);
 }
 
 void Planner::add_layer(const SelectedTile& tile, Layer layer, bool first) {
-    const uint32_t wanted = tile.steps_of(layer);
     CachedLayer& entry = cache_.at(layer_key(tile.node, layer));
+    const bool begin = coarse_first_ && entry.wire_steps == 0 && entry.store_steps == 0;
+    const uint32_t wanted = begin ? 1 : tile.steps_of(layer);
     if (wanted <= entry.wire_steps || wanted <= entry.store_steps || entry.requested) return;
     const TileRecord& record = *directory_.node(tile.node).record;
     const std::vector<StepRecord>& steps = record.steps(layer);
@@ -74,8 +99,8 @@ void Planner::add_layer(const SelectedTile& tile, Layer layer, bool first) {
     request.length = steps[wanted - 1].end - request.offset;
     const double before = std::min<double>(error_before(tile, entry, layer) * tile.pixels_per_metre, camera_.height);
     const double gain = std::max(before - steps[wanted - 1].error * tile.pixels_per_metre, kLeastGain);
-    const double bytes = static_cast<double>(std::max<uint64_t>(1, request.length));
-    request.priority = gain * screen_area(record.bounds, tile.pixels_per_metre, camera_) / bytes;
+    request.priority = gain * screen_area(record.bounds, tile.pixels_per_metre, camera_) /
+                       static_cast<double>(bytes_to_weigh(request));
     if (first) request.priority += kFirstTilePriority;
     out.push_back(request);
 }
@@ -98,9 +123,8 @@ void Planner::add_maps(const std::vector<SelectedTile>& tiles) {
             if (entry.wire_steps == 0 && entry.store_steps == 0 && !entry.requested) wanted.push_back({map, gain});
         }
     }
-    std::sort(wanted.begin(), wanted.end(), [](const Wanted& a, const Wanted& b) {
-        return a.map != b.map ? a.map < b.map : a.gain > b.gain;
-    });
+    std::sort(wanted.begin(), wanted.end(),
+              [](const Wanted& a, const Wanted& b) { return a.map != b.map ? a.map < b.map : a.gain > b.gain; });
     for (size_t i = 0; i < wanted.size(); ++i) {
         if (i > 0 && wanted[i].map == wanted[i - 1].map) continue;
         const bool adjacent = !out.empty() && out.back().kind == RequestKind::kMaps && out.back().to == wanted[i].map;
@@ -117,7 +141,8 @@ void Planner::add_maps(const std::vector<SelectedTile>& tiles) {
         request.priority += wanted[i].gain;
     }
     for (PlannedRequest& request : out) {
-        if (request.kind == RequestKind::kMaps) request.priority /= static_cast<double>(std::max<uint64_t>(1, request.length));
+        if (request.kind == RequestKind::kMaps)
+            request.priority /= static_cast<double>(std::max<uint64_t>(1, request.length));
     }
 }
 
@@ -142,7 +167,7 @@ std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const
                                           LayerCache& cache, const Selection& selection,
                                           const std::vector<SelectedTile>& tiles, NodeIndex first_tile,
                                           const Camera& camera, const PlanOptions& options) {
-    Planner planner(directory, knowledge, cache, camera);
+    Planner planner(directory, knowledge, cache, camera, options.coarse_first);
     planner.add_subtrees(selection);
     if (options.directory_first && !planner.out.empty()) return std::move(planner.out);
 

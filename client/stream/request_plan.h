@@ -12,7 +12,8 @@ namespace citystream::client {
 
 enum class RequestKind : uint8_t { kSubtree, kFacadeIndex, kLayer, kMaps };
 
-/// One range request: the bytes between the resident and the wanted prefix of a layer, adjacent facade maps, or a piece of the directory.
+/// One range request: the bytes between the resident and the wanted prefix of a layer, adjacent facade maps, or a piece
+/// of the directory.
 struct PlannedRequest {
     RequestKind kind = RequestKind::kLayer;
     tiles::tileset::TileAddress subtree;
@@ -25,17 +26,21 @@ struct PlannedRequest {
 
 /// What may be asked for now.
 struct PlanOptions {
-    /// Ask for what the choice itself depends on first (subtrees, then placements), and for nothing else until it is here:
-    /// no byte is fetched for a choice that changes. Else ask for all at once.
+    /// Ask for what the choice itself depends on first (subtrees, then placements), and for nothing else until it is
+    /// here: no byte is fetched for a choice that changes. Else ask for all at once.
     bool directory_first = true;
+    /// Of a layer that is not here at all ask for the first step alone: a coarse picture soon, the rest once it is
+    /// here.
+    bool coarse_first = false;
     bool facade_index_requested = false;
 };
 
 /// Priority of directory pieces: before any layer but the first tile's.
 inline constexpr double kDirectoryPriority = 1e250;
 
-/// Requests for what `tiles` lack and that is not under way, best first; equal gains in the order of the key. `cache` entries say what is here.
-/// `first_tile`: this tile comes before all others (the root, which every view can fall back to); kNoNode for none.
+/// Requests for what `tiles` lack and that is not under way, best first; equal gains in the order of the key. `cache`
+/// entries say what is here. `first_tile`: this tile comes before all others (the root, which every view can fall back
+/// to); kNoNode for none.
 std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const CityKnowledge& knowledge,
                                           LayerCache& cache, const Selection& selection,
                                           const std::vector<SelectedTile>& tiles, NodeIndex first_tile,

@@ -1,4 +1,5 @@
-// The meeting point of the thread that asks and the threads that fetch: requests wait here by priority, results wait here to be polled.
+// The meeting point of the thread that asks and the threads that fetch: requests wait here by priority, results wait
+// here to be polled.
 #pragma once
 
 #include <chrono>
@@ -14,7 +15,8 @@
 
 namespace citystream::client {
 
-/// Thread-safe. Every submitted request yields exactly one result; its bytes are dropped when it was cancelled meanwhile.
+/// Thread-safe. Every submitted request yields exactly one result; its bytes are dropped when it was cancelled
+/// meanwhile.
 class RequestQueue {
   public:
     // The asking side.
@@ -51,8 +53,8 @@ class RequestQueue {
     mutable std::mutex mutex_;
     std::condition_variable results_arrived_, requests_arrived_;
     std::map<Order, FetchRequest> waiting_;
-    std::map<uint64_t, Order> order_of_;       ///< of waiting requests
-    std::map<uint64_t, bool> under_way_;       ///< id -> cancelled
+    std::map<uint64_t, Order> order_of_;  ///< of waiting requests
+    std::map<uint64_t, bool> under_way_;  ///< id -> cancelled
     std::vector<FetchResult> results_;
     FetcherStatistics statistics_;
     uint64_t next_serial_ = 0;

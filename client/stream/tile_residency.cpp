@@ -44,7 +44,9 @@ class Scratch {
     uint64_t bytes_;
 };
 
-uint64_t step_begin(const std::vector<StepRecord>& steps, uint32_t step) { return step == 0 ? 0 : steps[step - 1].end; }
+uint64_t step_begin(const std::vector<StepRecord>& steps, uint32_t step) {
+    return step == 0 ? 0 : steps[step - 1].end;
+}
 
 }  // namespace
 
@@ -70,8 +72,8 @@ void TileResidency::damaged(CachedLayer& entry, NodeIndex node, Layer layer, uin
     const char* consequence = layer == Layer::kFacade ? "its facades are drawn flat"
                               : step > 0              ? "the tile is drawn coarser"
                                                       : "the tile is drawn from its parent";
-    warn(layer_path(layer, directory_.node(node).record->address) + ": step " + std::to_string(step) +
-         " is damaged (" + why + ", also on the second try); " + consequence);
+    warn(layer_path(layer, directory_.node(node).record->address) + ": step " + std::to_string(step) + " is damaged (" +
+         why + ", also on the second try); " + consequence);
 }
 
 void TileResidency::damaged_map(CachedLayer& entry, uint32_t map, const std::string& why) {
@@ -117,7 +119,8 @@ void TileResidency::accept_maps(uint32_t first, uint32_t last, std::span<const s
     }
 }
 
-/// Which maps a tile uses is known as soon as its placements are here, before anything is drawn: the budget counts them.
+/// Which maps a tile uses is known as soon as its placements are here, before anything is drawn: the budget counts
+/// them.
 void TileResidency::learn_facade_maps(NodeIndex node) {
     TileKnowledge& known = knowledge_.tiles[node];
     if (known.facade_maps_known) return;
@@ -161,8 +164,8 @@ void TileResidency::upload_layer(NodeIndex node, Layer layer, uint32_t wanted) {
     if (!cache_.free_slots(cache_.slots_for(bytes) - cache_.slots_for(entry->store_bytes))) return;
     const Stopwatch watch(counters_.decode_ms);
     const uint64_t before = entry->store_bytes;
-    const bool done = decode_ ? decode_to_store(*entry, node, layer, steps)
-                              : cache_.append_zeros(*entry, bytes - before, steps).ok();
+    const bool done =
+        decode_ ? decode_to_store(*entry, node, layer, steps) : cache_.append_zeros(*entry, bytes - before, steps).ok();
     if (done) counters_.decoded_bytes += bytes - before;
 }
 

@@ -20,8 +20,9 @@ struct ResidencyCounters {
     double decode_ms = 0;
 };
 
-/// One thread. A layer is a prefix of steps; a step is accepted when its checksum is right and enters the store when the codec has checked it.
-/// Bytes that fail either are dropped: the first time they are asked for again, the second time the prefix before them is all there is.
+/// One thread. A layer is a prefix of steps; a step is accepted when its checksum is right and enters the store when
+/// the codec has checked it. Bytes that fail either are dropped: the first time they are asked for again, the second
+/// time the prefix before them is all there is.
 class TileResidency {
   public:
     TileResidency(const DirectoryCache& directory, CityKnowledge& knowledge, LayerCache& cache, HostMemory& host,
@@ -37,7 +38,8 @@ class TileResidency {
     /// Takes the frames of maps [first, last).
     void accept_maps(uint32_t first, uint32_t last, std::span<const std::byte> bytes);
 
-    /// Brings what is received of the tile's wanted prefixes, and of its maps, to the store; atlas first, for it knows the charts.
+    /// Brings what is received of the tile's wanted prefixes, and of its maps, to the store; atlas first, for it knows
+    /// the charts.
     void upload(const SelectedTile& wanted);
 
     /// Mesh and atlas have at least their first steps in the store (a tile without mesh has nothing to draw).

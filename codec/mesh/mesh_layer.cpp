@@ -209,6 +209,12 @@ uint32_t MeshLayerView::atlas_chart(uint32_t triangle) const {
 
 void MeshLayerView::position(uint32_t vertex, int32_t out[3]) const {
     uint32_t known[3] = {};
+    uint32_t rounding = 0;
+    uint32_t dropped = dropped_;
+    for (uint32_t s = steps_; s-- > 1;) {
+        dropped += plane_bits_[s];
+        rounding += 1u << (dropped - 1);
+    }
     for (uint32_t s = 0; s < steps_; ++s) {
         const uint32_t width = plane_bits_[s];
         uint64_t bit = uint64_t{plane_offset_[s]} * 32 + uint64_t{vertex} * 3 * width;
@@ -218,7 +224,7 @@ void MeshLayerView::position(uint32_t vertex, int32_t out[3]) const {
         }
     }
     for (uint32_t c = 0; c < 3; ++c) {
-        out[c] = static_cast<int32_t>(words_[MESH_WORD_ORIGIN_X + c] + (known[c] << dropped_));
+        out[c] = static_cast<int32_t>(words_[MESH_WORD_ORIGIN_X + c] + (known[c] << dropped_) - rounding);
     }
 }
 

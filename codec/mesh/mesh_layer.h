@@ -34,11 +34,12 @@ struct MeshTile {
 
 /// Encodes a tile. `finest_error_metres` is the error of the geometry itself (0 for full detail): positions drop the
 /// low bits that lie far below it. Vertices are welded (when all that is written of them is equal) and re-ordered by
-/// first use, unused ones are left out; triangle order is kept. Deterministic. Positions are truncated, not rounded: a
-/// coordinate on a tile border is a multiple of a large power of two, hence exact in every step, and neighbours stay
-/// closed. Each step's `error` = finest_error + the truncation error of its dropped bits: sqrt(3) (2^dropped - 1) grid
-/// units. Texture coordinates are exact while a chart's coordinates in this tile span less than one repeat (2^16), else
-/// to within 1 / 32,768 of their span. Precondition (programming error): indices in range, arrays of matching size,
+/// first use, unused ones are left out; triangle order is kept. Deterministic. Every step rounds positions to
+/// the nearest multiple of 2^dropped grid units: a coordinate on a tile border is a multiple of a large power of two,
+/// hence exact in every step, and neighbours stay closed. Each step's `error` = finest_error + sqrt(3) (2^dropped - 1)
+/// grid units, which bounds how far two vertices can move against each other (one alone moves about half of it).
+/// Texture coordinates are exact while a chart's coordinates in this tile span less than one repeat (2^16), else to
+/// within 1 / 32,768 of their span. Precondition (programming error): indices in range, arrays of matching size,
 /// extents as kMaxCoordinateBits says. Time: O(vertices + triangles).
 LayerSteps encode_mesh(const MeshTile& tile, float finest_error_metres);
 
@@ -58,7 +59,7 @@ class MeshLayerView {
     /// The accessors' arguments must be below the counts above.
     uint32_t index(uint32_t corner) const;  ///< corner = 3 * triangle + 0..2
     uint32_t atlas_chart(uint32_t triangle) const;
-    /// Position (tile-relative grid units) as the shader computes it: the known high bits, dropped bits zero.
+    /// Position (tile-relative grid units) as the shader computes it: the known high bits, rounded.
     void position(uint32_t vertex, int32_t out[3]) const;
     uint32_t packed_normal(uint32_t vertex) const;  ///< 16 bits
     /// Texture coordinate in 2^-16 repeats of a corner of `triangle` (the chart decides the scale).

@@ -24,8 +24,11 @@ constexpr uint32_t kTexcoordBits = 16;
 /// Where the positions of a tile lie and how many low bits each step leaves out.
 struct Precision {
     std::array<int32_t, 3> origin = {};
-    uint32_t bits = 0;  ///< of the largest coordinate from the origin
+    uint32_t extent_bits = 0;  ///< of the largest distance from the origin
+    uint32_t bits = 0;         ///< of the largest distance with the rounding added
     std::vector<uint32_t> dropped;
+    uint32_t rounding = 0;  ///< halves of the units of all steps: added before the low bits are dropped, so that every
+                            ///< step rounds to nearest
 };
 
 /// Texture coordinates of one atlas chart as 16-bit numbers.
@@ -75,13 +78,20 @@ int32_t round_down(int32_t value, uint32_t low_bits) {
     return value >> low_bits << low_bits;
 }
 
-/// Origin and bits when step 0 leaves out `dropped` bits.
-Precision precision_at(const std::array<int32_t, 3>& low, const std::array<int32_t, 3>& high, uint32_t dropped) {
+/// Origin, bits and rounding when step 0 leaves out `finest` + `more` bits and each later step three fewer.
+Precision precision_at(const std::array<int32_t, 3>& low, const std::array<int32_t, 3>& high, uint32_t finest,
+                       uint32_t more) {
     Precision precision;
+    for (uint32_t rest = more;; rest -= 3) {
+        precision.dropped.push_back(finest + rest);
+        if (finest + rest > 0) precision.rounding += 1u << (finest + rest - 1);
+        if (rest == 0) break;
+    }
     for (size_t c = 0; c < 3; ++c) {
-        precision.origin[c] = round_down(low[c], dropped);
+        precision.origin[c] = round_down(low[c], finest + more);
         const auto extent = static_cast<uint64_t>(int64_t{high[c]} - precision.origin[c]);
-        precision.bits = std::max(precision.bits, bits_for(extent));
+        precision.extent_bits = std::max(precision.extent_bits, bits_for(extent));
+        precision.bits = std::max(precision.bits, bits_for(extent + precision.rounding));
     }
     return precision;
 }
@@ -100,12 +110,8 @@ Precision choose_precision(const MeshTile& tile, float finest_error_metres) {
     }
     const uint32_t finest = finest_dropped_bits(finest_error_metres);
     for (const uint32_t more : {6u, 3u, 0u}) {
-        Precision precision = precision_at(low, high, finest + more);
-        if (more > 0 && precision.bits <= finest + more) continue;
-        for (uint32_t rest = more;; rest -= 3) {
-            precision.dropped.push_back(finest + rest);
-            if (rest == 0) break;
-        }
+        Precision precision = precision_at(low, high, finest, more);
+        if (more > 0 && precision.extent_bits <= finest + more) continue;
         precision.bits = std::max(precision.bits, precision.dropped.front());
         assert(precision.bits <= kMaxCoordinateBits);
         return precision;
@@ -160,8 +166,9 @@ VertexCode make_vertex_code(const MeshVertex& vertex, uint32_t packed_normal, co
                             const Precision& precision) {
     VertexCode code;
     for (size_t c = 0; c < 3; ++c) {
-        code.position[c] =
-            static_cast<uint32_t>(round_down(vertex.position[c], precision.dropped.back()) - precision.origin[c]);
+        const auto distance = static_cast<uint64_t>(int64_t{vertex.position[c]} - precision.origin[c]);
+        const uint32_t finest = precision.dropped.back();
+        code.position[c] = static_cast<uint32_t>((distance + precision.rounding) >> finest << finest);
     }
     code.normal = packed_normal;
     for (size_t c = 0; c < 2; ++c) {

@@ -6,6 +6,7 @@
 #include "tiles/city/citygml_reader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-    citystream::tiles::city::read_checked({reinterpret_cast<const char*>(data), size}, &citystream::tiles::city::read_citygml);
+    citystream::tiles::city::read_checked({reinterpret_cast<const char*>(data), size},
+                                          &citystream::tiles::city::read_citygml);
     return 0;
 }

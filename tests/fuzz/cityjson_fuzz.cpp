@@ -6,6 +6,7 @@
 #include "tiles/city/cityjson_reader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-    citystream::tiles::city::read_checked({reinterpret_cast<const char*>(data), size}, &citystream::tiles::city::read_cityjson);
+    citystream::tiles::city::read_checked({reinterpret_cast<const char*>(data), size},
+                                          &citystream::tiles::city::read_cityjson);
     return 0;
 }

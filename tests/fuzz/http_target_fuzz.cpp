@@ -30,9 +30,11 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     using namespace citystream::server;
     const std::string_view text(reinterpret_cast<const char*>(data), size);
     if (const auto target = parse_http_target(text); target.ok()) {
-        require(!target->entry.starts_with('/') && !has_unsafe_segment(target->entry) && !has_unsafe_segment(target->city));
+        require(!target->entry.starts_with('/') && !has_unsafe_segment(target->entry) &&
+                !has_unsafe_segment(target->city));
         for (const std::string_view part : {std::string_view(target->city), std::string_view(target->entry)}) {
-            require(part.find('\0') == std::string_view::npos && part.find('\\') == std::string_view::npos && part.find('\n') == std::string_view::npos);
+            require(part.find('\0') == std::string_view::npos && part.find('\\') == std::string_view::npos &&
+                    part.find('\n') == std::string_view::npos);
         }
         require(target->city.find('/') == std::string::npos);
     } else {
@@ -42,7 +44,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     for (const uint64_t entity : {uint64_t{0}, uint64_t{1}, uint64_t{1000}, ~uint64_t{0}}) {
         const RangeChoice choice = choose_range(text, entity);
         if (choice.kind != RangeKind::kPart) continue;
-        require(choice.part.length > 0 && choice.part.first < entity && choice.part.length <= entity - choice.part.first);
+        require(choice.part.length > 0 && choice.part.first < entity &&
+                choice.part.length <= entity - choice.part.first);
     }
     etag_listed(text, "\"00000000-1\"", true);
     return 0;

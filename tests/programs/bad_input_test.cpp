@@ -58,7 +58,7 @@ TEST(BadInput, ProgramsRefuseDamagedOrMissingArchives) {
 TEST(BadInput, VerifyNamesTheDamagedTileAndLayer) {
     const TemporaryFolder folder;
     std::string bytes = read_file(shared_city());
-    const size_t name = bytes.find(".mesh");
+    const size_t name = bytes.find("tiles/0/0/0.mesh");
     ASSERT_NE(name, std::string::npos);
     bytes[name + 200] = static_cast<char>(bytes[name + 200] ^ 0x10);
     write_file(folder / "damaged.3tz", bytes);

@@ -112,7 +112,7 @@ TemporaryFolder::~TemporaryFolder() {
 
 std::string url_in(const std::string& line) {
     const size_t begin = line.find("http://");
-    return begin == std::string::npos ? "" : line.substr(begin, line.find_first_of(" \t\r\n", begin) - begin);
+    return begin == std::string::npos ? "" : line.substr(begin, line.find_first_of(" )\t\r\n", begin) - begin);
 }
 
 std::string read_file(const std::string& file) {

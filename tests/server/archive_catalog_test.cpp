@@ -30,8 +30,10 @@ TEST(ArchiveCatalog, GivesTwoFilesOfOneNameTwoNames) {
     const test::TemporaryFolder folder;
     std::filesystem::create_directories(folder.path() / "b");
     std::filesystem::create_directories(folder.path() / "c");
-    for (const char* name : {"demo.3tz", "b/demo.3tz", "c/demo.3tz", "metrics.3tz"}) test::write_city(folder.file(name));
-    const auto catalog = ArchiveCatalog::open({folder.file("demo.3tz"), folder.file("b/demo.3tz"), folder.file("c/demo.3tz"), folder.file("metrics.3tz")});
+    for (const char* name : {"demo.3tz", "b/demo.3tz", "c/demo.3tz", "metrics.3tz"})
+        test::write_city(folder.file(name));
+    const auto catalog = ArchiveCatalog::open(
+        {folder.file("demo.3tz"), folder.file("b/demo.3tz"), folder.file("c/demo.3tz"), folder.file("metrics.3tz")});
     ASSERT_TRUE(catalog.ok()) << catalog.error().text();
     EXPECT_EQ(catalog->cities()[0].name, "demo");
     EXPECT_EQ(catalog->cities()[1].name, "demo-2");
@@ -73,7 +75,8 @@ TEST(ArchiveCatalog, TagsAnEntryByItsChecksumAndSize) {
         const auto found = city.find(entry.name);
         ASSERT_TRUE(found) << entry.name;
         char expected[64];
-        std::snprintf(expected, sizeof expected, "\"%08x-%llx\"", entry.crc32, static_cast<unsigned long long>(entry.size));
+        std::snprintf(expected, sizeof expected, "\"%08x-%llx\"", entry.crc32,
+                      static_cast<unsigned long long>(entry.size));
         EXPECT_EQ(found->etag, expected) << entry.name;
     }
     EXPECT_FALSE(city.find("tiles/0/0/0.atlas"));
@@ -85,7 +88,8 @@ TEST(Pages, TellEachCityWithPictureAndSizes) {
     const auto catalog = ArchiveCatalog::open({folder.file("demo.3tz")});
     ASSERT_TRUE(catalog.ok());
     const std::string page = index_page(catalog->cities());
-    EXPECT_NE(page.find("Old &lt;Town&gt; &amp; &quot;Harbour&quot;"), std::string::npos) << "a title is text, not markup";
+    EXPECT_NE(page.find("Old &lt;Town&gt; &amp; &quot;Harbour&quot;"), std::string::npos)
+        << "a title is text, not markup";
     EXPECT_EQ(page.find("<Town>"), std::string::npos);
     EXPECT_NE(page.find("src=\"demo/preview.png\""), std::string::npos);
     EXPECT_NE(page.find("1.00 kB"), std::string::npos);

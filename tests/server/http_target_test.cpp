@@ -41,11 +41,47 @@ TEST(HttpTarget, DecodesPercentEscapesExactlyOnce) {
 }
 
 TEST(HttpTarget, RefusesEveryWayOutOfTheArchive) {
-    const std::vector<std::string> attempts = {
-        "", "demo", "*", "../etc/passwd", "/..", "/../etc/passwd", "/demo/..", "/demo/../x", "/demo/./x", "/demo/%2e%2e/x", "/demo/%2E./x",
-        "/demo/.%2e", "/demo/..%2fx", "/demo/a%2fb", "/demo/a%2Fb", "//etc/passwd", "/demo//x", "/demo///", "//", "/demo/a//", "/demo\\x", "/demo/..\\x", "/demo/%5c..%5cx",
-        "/demo/a%00", "/demo/%00", "/demo/a%0d%0aX", "/demo/a%7f", "/demo/%", "/demo/%2", "/demo/%zz", "/demo/%u0041", "/demo/%c0%ae%c0%ae/x", "/demo/%c0%af",
-        "/demo/%e0%80%ae", "/demo/%f0%80%80%ae", "/demo/%ed%a0%80", "/demo/%ff", "/demo/%c3", "/demo/a#b", "http:///..", "ftp://x/y"};
+    const std::vector<std::string> attempts = {"",
+                                               "demo",
+                                               "*",
+                                               "../etc/passwd",
+                                               "/..",
+                                               "/../etc/passwd",
+                                               "/demo/..",
+                                               "/demo/../x",
+                                               "/demo/./x",
+                                               "/demo/%2e%2e/x",
+                                               "/demo/%2E./x",
+                                               "/demo/.%2e",
+                                               "/demo/..%2fx",
+                                               "/demo/a%2fb",
+                                               "/demo/a%2Fb",
+                                               "//etc/passwd",
+                                               "/demo//x",
+                                               "/demo///",
+                                               "//",
+                                               "/demo/a//",
+                                               "/demo\\x",
+                                               "/demo/..\\x",
+                                               "/demo/%5c..%5cx",
+                                               "/demo/a%00",
+                                               "/demo/%00",
+                                               "/demo/a%0d%0aX",
+                                               "/demo/a%7f",
+                                               "/demo/%",
+                                               "/demo/%2",
+                                               "/demo/%zz",
+                                               "/demo/%u0041",
+                                               "/demo/%c0%ae%c0%ae/x",
+                                               "/demo/%c0%af",
+                                               "/demo/%e0%80%ae",
+                                               "/demo/%f0%80%80%ae",
+                                               "/demo/%ed%a0%80",
+                                               "/demo/%ff",
+                                               "/demo/%c3",
+                                               "/demo/a#b",
+                                               "http:///..",
+                                               "ftp://x/y"};
     for (const auto& attempt : attempts) {
         EXPECT_FALSE(parse_http_target(attempt).ok()) << attempt;
     }

@@ -25,7 +25,8 @@ struct RawAnswer {
     /// A field's value, or nothing.
     std::optional<std::string> field(std::string_view name) const {
         const auto lower = [](std::string text) {
-            std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+            std::transform(text.begin(), text.end(), text.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
             return text;
         };
         const std::string wanted = "\r\n" + lower(std::string(name)) + ": ";
@@ -61,7 +62,8 @@ class RawClient {
         return true;
     }
     void get(std::string_view target, std::string_view fields = {}, std::string_view method = "GET") {
-        send(std::string(method) + " " + std::string(target) + " HTTP/1.1\r\nHost: test\r\n" + std::string(fields) + "\r\n");
+        send(std::string(method) + " " + std::string(target) + " HTTP/1.1\r\nHost: test\r\n" + std::string(fields) +
+             "\r\n");
     }
 
     /// Waits for one answer. status 0: the connection ended or 10 s passed. `head_only`: to a HEAD request.

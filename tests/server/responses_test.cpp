@@ -84,12 +84,15 @@ TEST_F(Responses, SingleRangesAreAnsweredWithTheirPart) {
         const char* range;
         size_t first, length;
     };
-    for (const Case& c : {Case{"bytes=0-0", 0, 1}, Case{"bytes=10-19", 10, 10}, Case{"bytes=990-", 990, 10}, Case{"bytes=-7", 993, 7},
-                          Case{"bytes=-5000", 0, 1000}, Case{"bytes=998-99999999999999999999999", 998, 2}, Case{" Bytes = 3-4 ", 3, 2}}) {
+    for (const Case& c : {Case{"bytes=0-0", 0, 1}, Case{"bytes=10-19", 10, 10}, Case{"bytes=990-", 990, 10},
+                          Case{"bytes=-7", 993, 7}, Case{"bytes=-5000", 0, 1000},
+                          Case{"bytes=998-99999999999999999999999", 998, 2}, Case{" Bytes = 3-4 ", 3, 2}}) {
         const Response response = ask({.target = kMesh, .range = c.range});
         EXPECT_EQ(response.status, 206u) << c.range;
         EXPECT_EQ(text_of(response.body()), whole.substr(c.first, c.length)) << c.range;
-        EXPECT_TRUE(has(response, "Content-Range: bytes " + std::to_string(c.first) + "-" + std::to_string(c.first + c.length - 1) + "/1000")) << c.range;
+        EXPECT_TRUE(has(response, "Content-Range: bytes " + std::to_string(c.first) + "-" +
+                                      std::to_string(c.first + c.length - 1) + "/1000"))
+            << c.range;
         EXPECT_TRUE(has(response, "Content-Length: " + std::to_string(c.length))) << c.range;
     }
 }
@@ -105,8 +108,8 @@ TEST_F(Responses, RangesBeyondTheEndAreUnsatisfiable) {
 }
 
 TEST_F(Responses, OtherRangeFieldsMeanTheWholeEntity) {
-    for (const char* range : {"", "bytes", "bytes=", "bytes=-", "bytes=a-b", "bytes=5-4", "bytes=1-2,5-6", "bytes=1-2x", "bytes=+1-2", "lines=1-2", "bytes=1 - 2",
-                              "bytes=--1", "bytes=0x1-2"}) {
+    for (const char* range : {"", "bytes", "bytes=", "bytes=-", "bytes=a-b", "bytes=5-4", "bytes=1-2,5-6", "bytes=1-2x",
+                              "bytes=+1-2", "lines=1-2", "bytes=1 - 2", "bytes=--1", "bytes=0x1-2"}) {
         const Response response = ask({.target = kMesh, .range = range});
         EXPECT_EQ(response.status, 200u) << range;
         EXPECT_EQ(response.body_size, 1000u) << range;
@@ -186,7 +189,9 @@ TEST_F(Responses, ACityWithoutSlashIsRedirectedRelatively) {
     EXPECT_EQ(get("/demo/").status, 200u);
 }
 
-TEST_F(Responses, FindEntriesWithEncodedNames) { EXPECT_EQ(text_of(get("/d%65mo/tiles/0/0/%30%2Emesh").body()), test::mesh_bytes()); }
+TEST_F(Responses, FindEntriesWithEncodedNames) {
+    EXPECT_EQ(text_of(get("/d%65mo/tiles/0/0/%30%2Emesh").body()), test::mesh_bytes());
+}
 
 TEST_F(Responses, ConnectionsStayOpenUnlessOneSideIsDone) {
     EXPECT_FALSE(get(kMesh).close);

@@ -52,7 +52,8 @@ class Program {
         for (int i = 0; i < 500; ++i) {
             std::smatch match;
             const std::string text = read(out_);
-            if (text.find('\n') != std::string::npos && std::regex_search(text, match, kLine)) return static_cast<uint16_t>(std::stoi(match[1]));
+            if (text.find('\n') != std::string::npos && std::regex_search(text, match, kLine))
+                return static_cast<uint16_t>(std::stoi(match[1]));
             ::usleep(20'000);
         }
         return std::nullopt;
@@ -139,8 +140,11 @@ TEST_F(ServeProgram, FailsWithOneLineWhenThePortIsTaken) {
 }
 
 TEST_F(ServeProgram, WrongUsageEndsWithCodeTwo) {
-    for (const std::vector<std::string>& arguments :
-         {std::vector<std::string>{}, {"--unknown"}, {"x.3tz", "--listen", "nonsense"}, {"x.3tz", "--idle-timeout", "soon"}, {"x.3tz", "--threads", "-1"}}) {
+    for (const std::vector<std::string>& arguments : {std::vector<std::string>{},
+                                                      {"--unknown"},
+                                                      {"x.3tz", "--listen", "nonsense"},
+                                                      {"x.3tz", "--idle-timeout", "soon"},
+                                                      {"x.3tz", "--threads", "-1"}}) {
         Program program(arguments, folder_);
         EXPECT_EQ(program.exit_code(), 2);
         EXPECT_NE(program.errors(), "");

@@ -69,7 +69,8 @@ TEST_F(ServerTest, AnswersPipelinedRequestsInOrder) {
     const std::string whole = test::mesh_bytes();
     std::string requests;
     for (int i = 0; i < 200; ++i) {
-        requests += "GET " + std::string(kMesh) + " HTTP/1.1\r\nHost: t\r\nRange: bytes=" + std::to_string(i) + "-" + std::to_string(i + 2) + "\r\n\r\n";
+        requests += "GET " + std::string(kMesh) + " HTTP/1.1\r\nHost: t\r\nRange: bytes=" + std::to_string(i) + "-" +
+                    std::to_string(i + 2) + "\r\n\r\n";
     }
     client.send(requests);
     for (size_t i = 0; i < 200; ++i) {
@@ -109,7 +110,8 @@ TEST_F(ServerTest, ConditionalRequestIsNotModified) {
     ASSERT_TRUE(tag);
     EXPECT_EQ(client.ask(kMesh, "If-None-Match: \"x\"\r\nIf-None-Match: " + *tag + "\r\n").status, 304);
     EXPECT_EQ(client.ask(kMesh, "Range: bytes=0-1\r\nIf-Range: " + *tag + "\r\n").body.size(), 2u);
-    EXPECT_EQ(client.ask(kMesh, "Range: bytes=0-1\r\nRange: bytes=2-3\r\n").status, 200) << "two Range lines are several ranges";
+    EXPECT_EQ(client.ask(kMesh, "Range: bytes=0-1\r\nRange: bytes=2-3\r\n").status, 200)
+        << "two Range lines are several ranges";
 }
 
 TEST_F(ServerTest, ServesSeveralCities) {
@@ -189,7 +191,8 @@ TEST_F(ServerTest, EndsASlowHeadAndAnIdleConnection) {
     const auto begin = std::chrono::steady_clock::now();
     for (int i = 0; i < 60 && slow.send("X: y\r\n") && !slow.ended_within(20ms); ++i) {
     }
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 1100ms) << "trickling fields must not extend the time for a head";
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 1100ms)
+        << "trickling fields must not extend the time for a head";
     EXPECT_EQ(slow.answer().status, 408);
     EXPECT_TRUE(idle.ended_within(2s));
     EXPECT_NE(RawClient(port()).ask("/metrics").body.find("citystream_timeouts_total 1\n"), std::string::npos);
@@ -201,7 +204,8 @@ TEST_F(ServerTest, EndsAnAnswerThatNobodyTakes) {
     client.get("/demo/tiles/large");
     std::this_thread::sleep_for(900ms);
     EXPECT_EQ(client.answer().status, 0) << "the answer must have been broken off";
-    EXPECT_NE(RawClient(port()).ask("/metrics").body.find("citystream_answers_broken_off_total 1\n"), std::string::npos);
+    EXPECT_NE(RawClient(port()).ask("/metrics").body.find("citystream_answers_broken_off_total 1\n"),
+              std::string::npos);
 }
 
 TEST_F(ServerTest, TurnsAwayConnectionsBeyondTheLimit) {
@@ -275,7 +279,8 @@ TEST_F(ServerTest, SaysWhenThePortIsTaken) {
     ASSERT_TRUE(catalog.ok());
     const auto second = Server::start(std::move(*catalog), {.listen = {"127.0.0.1", port()}});
     ASSERT_FALSE(second.ok());
-    EXPECT_EQ(second.error().text(), "cannot listen on 127.0.0.1:" + std::to_string(port()) + ": Address already in use");
+    EXPECT_EQ(second.error().text(),
+              "cannot listen on 127.0.0.1:" + std::to_string(port()) + ": Address already in use");
 }
 
 TEST_F(ServerTest, MetricsHaveTheRecordedNames) {
@@ -286,9 +291,11 @@ TEST_F(ServerTest, MetricsHaveTheRecordedNames) {
     client.ask("/nowhere/x");
     const RawAnswer answer = client.ask("/metrics");
     EXPECT_EQ(answer.field("content-type"), "text/plain; version=0.0.4; charset=utf-8");
-    for (const char* line : {"citystream_requests_total{city=\"demo\",class=\"2xx\"} 2\n", "citystream_requests_total{city=\"\",class=\"4xx\"} 1\n",
-                             "citystream_body_bytes_total{city=\"demo\"} 1002\n", "citystream_partial_answers_total{city=\"demo\"} 1\n",
-                             "citystream_connections_open 1\n", "citystream_requests_in_flight 1\n", "citystream_request_duration_seconds_count 3\n"}) {
+    for (const char* line :
+         {"citystream_requests_total{city=\"demo\",class=\"2xx\"} 2\n",
+          "citystream_requests_total{city=\"\",class=\"4xx\"} 1\n", "citystream_body_bytes_total{city=\"demo\"} 1002\n",
+          "citystream_partial_answers_total{city=\"demo\"} 1\n", "citystream_connections_open 1\n",
+          "citystream_requests_in_flight 1\n", "citystream_request_duration_seconds_count 3\n"}) {
         EXPECT_NE(answer.body.find(line), std::string::npos) << line << "is missing in\n" << answer.body;
     }
     std::set<std::string> families, recorded;
@@ -310,7 +317,8 @@ TEST(ListenAddress, ReadsTheUsualForms) {
     EXPECT_EQ(parse("[::1]:0"), "::1 0");
     EXPECT_EQ(parse(":80"), "0.0.0.0 80");
     EXPECT_EQ(parse("9000"), "127.0.0.1 9000");
-    for (const char* bad : {"", "host:", "host:x", "host:65536", "::1:80", "host:-1", "host:80x"}) EXPECT_EQ(parse(bad), "error") << bad;
+    for (const char* bad : {"", "host:", "host:x", "host:65536", "::1:80", "host:-1", "host:80x"})
+        EXPECT_EQ(parse(bad), "error") << bad;
 }
 
 TEST(Duration, ReadsUnitsAndRefusesNonsense) {
@@ -318,7 +326,8 @@ TEST(Duration, ReadsUnitsAndRefusesNonsense) {
     EXPECT_EQ(*parse_duration("1.5"), 1500ms);
     EXPECT_EQ(*parse_duration("250ms"), 250ms);
     EXPECT_EQ(*parse_duration("2m"), 120000ms);
-    for (const char* bad : {"", "s", "-1s", "0", "1h", "1e99s", "nan", "25000m", "5 s"}) EXPECT_FALSE(parse_duration(bad).ok()) << bad;
+    for (const char* bad : {"", "s", "-1s", "0", "1h", "1e99s", "nan", "25000m", "5 s"})
+        EXPECT_FALSE(parse_duration(bad).ok()) << bad;
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// A small archive with every kind of entry that the server distinguishes, in a folder of its own that goes away with it.
+// A small archive with every kind of entry that the server distinguishes, in a folder of its own that goes away with
+// it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -49,7 +50,9 @@ inline std::string patterned(size_t size, unsigned seed = 1) {
     return bytes;
 }
 
-inline std::span<const std::byte> bytes_of(const std::string& text) { return std::as_bytes(std::span(text)); }
+inline std::span<const std::byte> bytes_of(const std::string& text) {
+    return std::as_bytes(std::span(text));
+}
 
 inline std::string text_of(std::span<const std::byte> bytes) {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -74,8 +77,12 @@ inline tiles::tileset::Manifest small_manifest(const std::string& title) {
 constexpr size_t kMeshBytes = 1000;
 constexpr size_t kLargeBytes = 24u << 20;
 
-inline std::string mesh_bytes() { return patterned(kMeshBytes, 7); }
-inline std::string large_bytes() { return patterned(kLargeBytes, 9); }
+inline std::string mesh_bytes() {
+    return patterned(kMeshBytes, 7);
+}
+inline std::string large_bytes() {
+    return patterned(kLargeBytes, 9);
+}
 
 /// tileset.json, tiles/0/0/0.mesh (1000 bytes), subtrees/0/0/0.subtree, preview.png, and with `large` also tiles/large.
 inline void write_city(const std::string& file, const std::string& title = "Test <City>", bool large = false) {

@@ -33,9 +33,14 @@ Status read_file(const std::string& path, CityReading& reading) {
     if (!format) return format.error();
     Status status = Done{};
     switch (*format) {
-        case Format::kXml: status = read_citygml(*source, reading); break;
-        case Format::kJson: status = read_cityjson(*source, reading); break;
-        case Format::kUnknown: return Error{path + ": is no city model (neither CityJSON nor CityGML)"};
+        case Format::kXml:
+            status = read_citygml(*source, reading);
+            break;
+        case Format::kJson:
+            status = read_cityjson(*source, reading);
+            break;
+        case Format::kUnknown:
+            return Error{path + ": is no city model (neither CityJSON nor CityGML)"};
     }
     if (status) reading.tell_progress(source->stored_bytes_total());
     reading.next_file(source->stored_bytes_total());
@@ -44,8 +49,8 @@ Status read_file(const std::string& path, CityReading& reading) {
 
 }  // namespace
 
-Status read_city(const std::vector<std::string>& paths, const InputOptions& options, CityHeader& header, CityCatalog& catalog,
-                 CityReport& report, const CitySink& sink) {
+Status read_city(const std::vector<std::string>& paths, const InputOptions& options, CityHeader& header,
+                 CityCatalog& catalog, CityReport& report, const CitySink& sink) {
     CityReading reading(options, header, catalog, report, sink);
     uint64_t total = 0;
     for (const std::string& path : paths) {
@@ -55,9 +60,11 @@ Status read_city(const std::vector<std::string>& paths, const InputOptions& opti
     }
     reading.set_total(total);
     for (const std::string& path : paths) {
-        const auto status = read_file(path, reading);
+        auto status = read_file(path, reading);
         if (!status) {
-            report.add({.feature = path, .what = "reading stopped: " + status.error().message, .where = status.error().text()});
+            report.add({.feature = path,
+                        .what = "reading stopped: " + status.error().message,
+                        .where = status.error().text()});
             return status;
         }
         if (reading.stopped()) break;

@@ -14,7 +14,8 @@ bool IdRegister::add(std::string_view id) {
     if (hash == 0) hash = 1;
     if (2 * (used_ + 1) > slots_.size()) {
         constexpr size_t kFirstSize = 1024;
-        const std::vector<uint64_t> old = std::exchange(slots_, std::vector<uint64_t>(std::max(kFirstSize, 2 * slots_.size())));
+        const std::vector<uint64_t> old =
+            std::exchange(slots_, std::vector<uint64_t>(std::max(kFirstSize, 2 * slots_.size())));
         used_ = 0;
         for (const uint64_t h : old) {
             if (h != 0) insert(h);
@@ -47,12 +48,13 @@ CityReading::CityReading(const InputOptions& input_options, CityHeader& city_hea
 Status CityReading::agree_on_crs(int32_t epsg, const std::string& file) {
     if (epsg == 0) return Done{};
     if (is_geographic(epsg)) {
-        return Error{file + ": its coordinates are degrees (EPSG:" + std::to_string(epsg) + "); reproject it to a CRS in metres first"};
+        return Error{file + ": its coordinates are degrees (EPSG:" + std::to_string(epsg) +
+                     "); reproject it to a CRS in metres first"};
     }
     if (header.epsg == 0) header.epsg = epsg;
     if (header.epsg == epsg) return Done{};
-    return Error{file + ": its CRS is EPSG:" + std::to_string(epsg) + ", but that of the files before is EPSG:" +
-                 std::to_string(header.epsg)};
+    return Error{file + ": its CRS is EPSG:" + std::to_string(epsg) +
+                 ", but that of the files before is EPSG:" + std::to_string(header.epsg)};
 }
 
 void CityReading::see_feature(const std::string& id, const std::string& where) {

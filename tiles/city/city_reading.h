@@ -1,4 +1,5 @@
-// What the readers of all formats share while they read the files of one city: where objects go, what was seen, what went wrong.
+// What the readers of all formats share while they read the files of one city: where objects go, what was seen, what
+// went wrong.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +28,8 @@ class IdRegister {
 
 class CityReading {
   public:
-    CityReading(const InputOptions& options, CityHeader& header, CityCatalog& catalog, CityReport& report, const CitySink& sink);
+    CityReading(const InputOptions& options, CityHeader& header, CityCatalog& catalog, CityReport& report,
+                const CitySink& sink);
 
     const InputOptions& options;
     CityHeader& header;

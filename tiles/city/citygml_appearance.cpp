@@ -120,7 +120,8 @@ void GmlAppearanceParser::end(std::string_view name, const std::string& text, Gm
 void GmlAppearanceParser::finish_material(GmlAppearance& into) {
     if (!colour_) return;
     for (std::string& target : targets_) {
-        const auto [entry, is_new] = into.colours_.try_emplace(std::move(target), GmlAppearance::Colour{*colour_, front_});
+        const auto [entry, is_new] =
+            into.colours_.try_emplace(std::move(target), GmlAppearance::Colour{*colour_, front_});
         if (!is_new && front_ && !entry->second.front) entry->second = {*colour_, true};
     }
 }

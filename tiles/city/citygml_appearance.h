@@ -48,13 +48,16 @@ class GmlAppearance {
     std::vector<Vec2> texcoords_;
 };
 
-/// The elements inside app:Appearance. The owner calls start and end for each of them and collects text where start says so.
+/// The elements inside app:Appearance. The owner calls start and end for each of them and collects text where start
+/// says so.
 class GmlAppearanceParser {
   public:
     /// True: the text of this element is wanted at end().
     bool start(std::string_view name, const XmlAttributes& attributes);
     void end(std::string_view name, const std::string& text, GmlAppearance& into);
-    uint64_t unsupported() const { return unsupported_; }  ///< surface data that cannot be used (generated coordinates, georeferenced images)
+    uint64_t unsupported() const {
+        return unsupported_;
+    }  ///< surface data that cannot be used (generated coordinates, georeferenced images)
 
   private:
     struct Coordinates {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <unordered_set>
 #include <utility>
 
 namespace citystream::tiles::city {
@@ -14,7 +15,9 @@ namespace {
 /// References that lead to references: no sane model goes deeper.
 constexpr int kMostHops = 4;
 
-std::string lod_text(int lod) { return lod < 0 ? std::string("?") : std::to_string(lod); }
+std::string lod_text(int lod) {
+    return lod < 0 ? std::string("?") : std::to_string(lod);
+}
 
 }  // namespace
 
@@ -32,7 +35,8 @@ void GmlDrawer::draw(const GmlFeature& feature, const GmlAppearance& own, const 
     if (any && top.kind == ObjectKind::kBuilding) ++reading_.report.buildings_emitted;
     const bool blamed = !reading_.report.dropped_features.empty() && reading_.report.dropped_features.back() == top.id;
     if (!any && !blamed && !reading_.stopped() && top.type != "CityObjectGroup") {
-        reading_.drop(top.id, fmt::format("{} has no geometry that can be drawn", top.type), fmt::format("{}: line {}", file_, top.line));
+        reading_.drop(top.id, fmt::format("{} has no geometry that can be drawn", top.type),
+                      fmt::format("{}: line {}", file_, top.line));
     }
 }
 
@@ -46,12 +50,15 @@ void GmlDrawer::collect_uses() {
     for (uint32_t i = 0; i < feature_->polygons.size(); ++i) uses_.push_back({i, feature_->polygons[i].place});
     constexpr size_t kFreeUses = 1024;
     most_uses_ = 8 * (feature_->polygons.size() + feature_->links.size()) + kFreeUses;
+    resolved_ = 0;
     for (const GmlLink& link : feature_->links) resolve(link, link.place, kMostHops);
+    std::stable_sort(uses_.begin(), uses_.end(),
+                     [](const Use& a, const Use& b) { return a.place.part < b.place.part; });
 }
 
 void GmlDrawer::resolve(const GmlLink& link, GmlPlace place, int depth) {
     const auto found = node_by_id_.find(link.target);
-    if (found == node_by_id_.end() || depth == 0 || uses_.size() > most_uses_) {
+    if (found == node_by_id_.end() || depth == 0 || uses_.size() > most_uses_ || ++resolved_ > most_uses_) {
         ++unresolved_;
         return;
     }
@@ -85,13 +92,17 @@ double GmlDrawer::area_of(const std::vector<Use>& uses) const {
     return area;
 }
 
-/// Openings or installations: at the highest LoD up to `lod`, else at the lowest above it (never above a LoD that was asked for).
-void GmlDrawer::take_sub_objects(const std::vector<const Use*>& uses, GmlRole role, int lod, std::vector<Use>& out) const {
+/// Openings or installations: at the highest LoD up to `lod`, else at the lowest above it (never above a LoD that was
+/// asked for).
+void GmlDrawer::take_sub_objects(const std::vector<const Use*>& uses, GmlRole role, int lod,
+                                 std::vector<Use>& out) const {
     int best = -2, lowest_above = std::numeric_limits<int>::max();
     for (const Use* use : uses) {
         if (use->place.role != role) continue;
-        if (use->place.lod <= lod) best = std::max<int>(best, use->place.lod);
-        else lowest_above = std::min<int>(lowest_above, use->place.lod);
+        if (use->place.lod <= lod)
+            best = std::max<int>(best, use->place.lod);
+        else
+            lowest_above = std::min<int>(lowest_above, use->place.lod);
     }
     const bool exact = reading_.options.lod.has_value();
     const int take = best > -2 ? best : (exact ? -2 : lowest_above);
@@ -103,8 +114,10 @@ void GmlDrawer::take_sub_objects(const std::vector<const Use*>& uses, GmlRole ro
 std::vector<GmlDrawer::Use> GmlDrawer::chosen_uses(int32_t part, std::string& lods) const {
     std::vector<const Use*> all;
     std::set<int> main_lods, other_lods;
-    for (const Use& use : uses_) {
-        if (use.place.part != part) continue;
+    const auto before = [](const Use& use, int32_t wanted) { return use.place.part < wanted; };
+    for (auto at = std::lower_bound(uses_.begin(), uses_.end(), part, before);
+         at != uses_.end() && at->place.part == part; ++at) {
+        const Use& use = *at;
         all.push_back(&use);
         const bool main = use.place.role == GmlRole::kBody || use.place.role == GmlRole::kBoundary;
         (main ? main_lods : other_lods).insert(use.place.lod);
@@ -131,17 +144,18 @@ std::vector<GmlDrawer::Use> GmlDrawer::chosen_uses(int32_t part, std::string& lo
     } else {
         take_sub_objects(all, GmlRole::kOpening, lod, chosen);
         // The solid adds no surfaces, but its shells tell inside from outside.
-        std::vector<uint8_t> drawn(feature_->polygons.size(), 0);
-        for (const Use& use : chosen) drawn[use.polygon] = 1;
+        std::unordered_set<uint32_t> drawn;
+        for (const Use& use : chosen) drawn.insert(use.polygon);
         for (const Use& use : body) {
-            if (drawn[use.polygon] != 0 && use.place.shell >= 0) chosen.push_back(use);
+            if (drawn.contains(use.polygon) && use.place.shell >= 0) chosen.push_back(use);
         }
     }
     take_sub_objects(all, GmlRole::kInstallation, lod, chosen);
     return chosen;
 }
 
-/// Draws each polygon once: with the meaning of its most telling use and, when a solid uses it, within the solid's shell.
+/// Draws each polygon once: with the meaning of its most telling use and, when a solid uses it, within the solid's
+/// shell.
 void GmlDrawer::draw_uses(const std::vector<Use>& uses) {
     const auto rank = [](const Use& use) { return use.place.role == GmlRole::kBody ? 0 : 1; };
     std::unordered_map<uint32_t, size_t> first;  // polygon -> index in `once`
@@ -162,7 +176,8 @@ void GmlDrawer::draw_uses(const std::vector<Use>& uses) {
             kept.place.turned = use.place.turned;
         }
     }
-    std::stable_sort(once.begin(), once.end(), [](const Use& a, const Use& b) { return a.place.shell < b.place.shell; });
+    std::stable_sort(once.begin(), once.end(),
+                     [](const Use& a, const Use& b) { return a.place.shell < b.place.shell; });
     for (size_t i = 0; i < once.size();) {
         const int32_t shell = once[i].place.shell;
         if (shell >= 0) reading_.builder.begin_shell();
@@ -181,7 +196,8 @@ SurfaceStyle GmlDrawer::style_of(const Use& use, const GmlTexture* texture) {
     SurfaceStyle style;
     style.kind = use.place.kind;
     std::optional<std::array<uint8_t, 3>> colour;
-    for (int32_t node = feature_->polygons[use.polygon].place.node; node >= 0 && !colour; node = feature_->nodes[node].parent) {
+    for (int32_t node = feature_->polygons[use.polygon].place.node; node >= 0 && !colour;
+         node = feature_->nodes[node].parent) {
         const std::string& id = feature_->nodes[node].id;
         if (id.empty()) continue;
         colour = own_->colour_of(id);
@@ -189,7 +205,8 @@ SurfaceStyle GmlDrawer::style_of(const Use& use, const GmlTexture* texture) {
     }
     if (texture != nullptr) {
         const auto fallback = colour.value_or(default_colour(reading_.builder.kind(), style.kind));
-        style.material = reading_.materials.textured(file_, texture->uri, texture->repeat, fallback, reading_.builder.id());
+        style.material =
+            reading_.materials.textured(file_, texture->uri, texture->repeat, fallback, reading_.builder.id());
         style.textured = style.material.has_value();
     }
     if (!style.material && colour) style.material = reading_.materials.flat(*colour);
@@ -202,7 +219,8 @@ bool GmlDrawer::add_ring(const GmlRing& ring, const GmlAppearance::RingLook& loo
     // Coordinates may leave out the closing point.
     const bool matches = look.texture != nullptr && (look.count == count || look.count + 1 == count);
     for (uint32_t i = 0; i < count; ++i) {
-        reading_.builder.add_point(feature_->points[ring.first_point + i], matches ? look.texcoords[i < look.count ? i : 0] : Vec2{});
+        reading_.builder.add_point(feature_->points[ring.first_point + i],
+                                   matches ? look.texcoords[i < look.count ? i : 0] : Vec2{});
     }
     reading_.builder.end_ring();
     return matches;
@@ -238,9 +256,11 @@ bool GmlDrawer::draw_part(int32_t part) {
     mismatched_textures_ = 0;
     reading_.builder.begin(object.id, object.kind, where);
     draw_uses(chosen);
-    if (part == 0 && unresolved_ > 0) reading_.builder.report(fmt::format("{} reference(s) to surfaces that are not in the feature", unresolved_));
+    if (part == 0 && unresolved_ > 0)
+        reading_.builder.report(fmt::format("{} reference(s) to surfaces that are not in the feature", unresolved_));
     if (mismatched_textures_ > 0) {
-        reading_.builder.report(fmt::format("{} surface(s) without their texture: not one coordinate per point", mismatched_textures_));
+        reading_.builder.report(
+            fmt::format("{} surface(s) without their texture: not one coordinate per point", mismatched_textures_));
     }
     if (reading_.send()) return true;
     reading_.drop(object.id, fmt::format("{}: none of its surfaces can be drawn", object.type), where);

@@ -6,14 +6,15 @@
 #include <unordered_map>
 #include <vector>
 
+#include "tiles/city/city_reading.h"
 #include "tiles/city/citygml_appearance.h"
 #include "tiles/city/citygml_feature.h"
-#include "tiles/city/city_reading.h"
 
 namespace citystream::tiles::city {
 
-/// For each part: the highest LoD of its body or boundary surfaces (or the one asked for); at that LoD the boundary surfaces where they cover at least half the area of
-/// the solid, else the solid; with them openings and installations at the highest LoD not above it (if they have none, at their lowest).
+/// For each part: the highest LoD of its body or boundary surfaces (or the one asked for); at that LoD the boundary
+/// surfaces where they cover at least half the area of the solid, else the solid; with them openings and installations
+/// at the highest LoD not above it (if they have none, at their lowest).
 class GmlDrawer {
   public:
     GmlDrawer(CityReading& reading, const std::string& file) : reading_(reading), file_(file) {}
@@ -47,10 +48,10 @@ class GmlDrawer {
     const GmlFeature* feature_ = nullptr;
     const GmlAppearance* own_ = nullptr;
     const GmlAppearance* model_ = nullptr;
-    std::vector<Use> uses_;
+    std::vector<Use> uses_;  ///< by part, otherwise in document order
     std::unordered_map<std::string_view, int32_t> node_by_id_;
     uint64_t unresolved_ = 0, mismatched_textures_ = 0;
-    size_t most_uses_ = 0;
+    size_t most_uses_ = 0, resolved_ = 0;
 };
 
 }  // namespace citystream::tiles::city

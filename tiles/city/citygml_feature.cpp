@@ -17,8 +17,15 @@ bool is_one_of(std::string_view name, const std::array<std::string_view, N>& nam
 }
 
 bool is_interior(std::string_view name) {
-    constexpr std::array<std::string_view, 9> kNames = {"Room",           "BuildingRoom", "IntBuildingInstallation", "BuildingFurniture",
-                                                        "IntBridgeInstallation", "BridgeRoom", "BridgeFurniture", "HollowSpace", "Storey"};
+    constexpr std::array<std::string_view, 9> kNames = {"Room",
+                                                        "BuildingRoom",
+                                                        "IntBuildingInstallation",
+                                                        "BuildingFurniture",
+                                                        "IntBridgeInstallation",
+                                                        "BridgeRoom",
+                                                        "BridgeFurniture",
+                                                        "HollowSpace",
+                                                        "Storey"};
     return is_one_of(name, kNames);
 }
 
@@ -28,27 +35,41 @@ bool is_polygon(std::string_view name) {
 }
 
 bool is_aggregate(std::string_view name) {
-    constexpr std::array<std::string_view, 14> kNames = {
-        "MultiSurface", "CompositeSurface", "OrientableSurface", "MultiGeometry", "MultiSolid",       "CompositeSolid", "Solid",
-        "Shell",        "Surface",          "TriangulatedSurface", "Tin",         "PolyhedralSurface", "GeometricComplex", "MultiPolygon"};
+    constexpr std::array<std::string_view, 14> kNames = {"MultiSurface",
+                                                         "CompositeSurface",
+                                                         "OrientableSurface",
+                                                         "MultiGeometry",
+                                                         "MultiSolid",
+                                                         "CompositeSolid",
+                                                         "Solid",
+                                                         "Shell",
+                                                         "Surface",
+                                                         "TriangulatedSurface",
+                                                         "Tin",
+                                                         "PolyhedralSurface",
+                                                         "GeometricComplex",
+                                                         "MultiPolygon"};
     return is_one_of(name, kNames);
 }
 
 bool is_member_property(std::string_view name) {
-    constexpr std::array<std::string_view, 8> kNames = {"surfaceMember", "geometryMember", "solidMember", "baseSurface",
-                                                        "exterior",      "interior",       "polygonMember", "shellMember"};
+    constexpr std::array<std::string_view, 8> kNames = {"surfaceMember", "geometryMember", "solidMember",
+                                                        "baseSurface",   "exterior",       "interior",
+                                                        "polygonMember", "shellMember"};
     return is_one_of(name, kNames);
 }
 
 /// Thematic surfaces: a role of their own. The rest of the object types is transparent.
 bool is_boundary(std::string_view name) {
-    constexpr std::array<std::string_view, 5> kAreas = {"TrafficArea", "AuxiliaryTrafficArea", "Marking", "HoleSurface", "TINRelief"};
+    constexpr std::array<std::string_view, 5> kAreas = {"TrafficArea", "AuxiliaryTrafficArea", "Marking", "HoleSurface",
+                                                        "TINRelief"};
     constexpr std::string_view kSuffix = "Surface";
     return is_one_of(name, kAreas) || (name.size() > kSuffix.size() && name.ends_with(kSuffix));
 }
 
 bool is_installation(std::string_view name) {
-    return name.ends_with("Installation") || name.ends_with("ConstructiveElement") || name.ends_with("ConstructionElement");
+    return name.ends_with("Installation") || name.ends_with("ConstructiveElement") ||
+           name.ends_with("ConstructionElement");
 }
 
 /// "lod2MultiSurface" -> 2; -1 when the name is none of these.
@@ -103,7 +124,8 @@ bool GmlFeatureParser::start(std::string_view name, const XmlAttributes& attribu
 }
 
 bool GmlFeatureParser::starts_part(std::string_view name) const {
-    constexpr std::array<std::string_view, 5> kParts = {"BuildingPart", "BridgePart", "TunnelPart", "Building", "Bridge"};
+    constexpr std::array<std::string_view, 5> kParts = {"BuildingPart", "BridgePart", "TunnelPart", "Building",
+                                                        "Bridge"};
     return is_one_of(name, kParts);
 }
 
@@ -196,7 +218,8 @@ void GmlFeatureParser::add_points(const std::string& text) {
 
 void GmlFeatureParser::end_ring() {
     GmlRing& ring = feature_.rings.back();
-    for (size_t i = 0; i + 2 < numbers_.size(); i += 3) feature_.points.push_back({numbers_[i], numbers_[i + 1], numbers_[i + 2]});
+    for (size_t i = 0; i + 2 < numbers_.size(); i += 3)
+        feature_.points.push_back({numbers_[i], numbers_[i + 1], numbers_[i + 2]});
     // A number left over means that the whole list is out of step.
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     if (numbers_.size() % 3 != 0) feature_.points.push_back({kNone, kNone, kNone});

@@ -1,4 +1,5 @@
-// One top-level CityGML feature, gathered from its elements: parts, surfaces with their roles and LoDs, references between them.
+// One top-level CityGML feature, gathered from its elements: parts, surfaces with their roles and LoDs, references
+// between them.
 #pragma once
 
 #include <cstdint>
@@ -69,7 +70,9 @@ struct GmlFeature {
 
     void clear();
     /// Rough measure of what it holds, to stop hostile files.
-    size_t weight() const { return points.size() + 4 * (rings.size() + polygons.size() + nodes.size() + links.size() + parts.size()); }
+    size_t weight() const {
+        return points.size() + 4 * (rings.size() + polygons.size() + nodes.size() + links.size() + parts.size());
+    }
 };
 
 /// Fills a GmlFeature from the elements inside (and including) the feature's own element.

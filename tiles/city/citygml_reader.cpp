@@ -15,11 +15,14 @@ namespace citystream::tiles::city {
 namespace {
 
 bool is_membership(std::string_view name) {
-    constexpr std::array<std::string_view, 5> kNames = {"cityObjectMember", "featureMember", "featureMembers", "cityObjectMembers", "member"};
+    constexpr std::array<std::string_view, 5> kNames = {"cityObjectMember", "featureMember", "featureMembers",
+                                                        "cityObjectMembers", "member"};
     return std::find(kNames.begin(), kNames.end(), name) != kNames.end();
 }
 
-bool is_root(std::string_view name) { return name == "CityModel" || name == "FeatureCollection"; }
+bool is_root(std::string_view name) {
+    return name == "CityModel" || name == "FeatureCollection";
+}
 
 constexpr size_t kMostAppearance = size_t{1} << 26;
 
@@ -128,14 +131,17 @@ class FeatureScan : public XmlHandler {
     bool in_membership_ = false;
 };
 
-void report_unsupported(CityReading& reading, const std::string& file, const std::map<std::string, uint64_t>& counts, uint64_t appearance) {
+void report_unsupported(CityReading& reading, const std::string& file, const std::map<std::string, uint64_t>& counts,
+                        uint64_t appearance) {
     for (const auto& [what, count] : counts) {
-        reading.report.add({.feature = file, .what = fmt::format("not supported: {} ({} times)", what, count), .where = file});
+        reading.report.add(
+            {.feature = file, .what = fmt::format("not supported: {} ({} times)", what, count), .where = file});
     }
     if (appearance == 0) return;
-    reading.report.add({.feature = file,
-                        .what = fmt::format("not supported: generated or georeferenced texture coordinates ({} times)", appearance),
-                        .where = file});
+    reading.report.add(
+        {.feature = file,
+         .what = fmt::format("not supported: generated or georeferenced texture coordinates ({} times)", appearance),
+         .where = file});
 }
 
 }  // namespace
@@ -144,14 +150,16 @@ Status read_citygml(TextSource& source, CityReading& reading) {
     const std::string& file = source.name();
     ModelScan model;
     // A fault here comes up again below, after the features before it have been sent.
-    const auto scanned = parse_xml(source, model, [&] { reading.tell_progress(source.stored_bytes_done() / 2); });
+    auto scanned = parse_xml(source, model, [&] { reading.tell_progress(source.stored_bytes_done() / 2); });
     if (!model.root_is_good) {
-        return scanned ? Status(Error{file + ": XML, but no CityGML (its root is neither CityModel nor FeatureCollection)"}) : scanned;
+        return scanned
+                   ? Status(Error{file + ": XML, but no CityGML (its root is neither CityModel nor FeatureCollection)"})
+                   : scanned;
     }
-    if (const auto status = reading.agree_on_crs(model.epsg, file); !status) return status;
+    if (auto status = reading.agree_on_crs(model.epsg, file); !status) return status;
     if (reading.header.title.empty()) reading.header.title = model.title;
     const uint64_t half = source.stored_bytes_total() / 2;
-    if (const auto status = source.rewind(); !status) return status;
+    if (auto status = source.rewind(); !status) return status;
     FeatureScan features(reading, file, model.appearance);
     auto status = parse_xml(source, features, [&] { reading.tell_progress(half + source.stored_bytes_done() / 2); });
     report_unsupported(reading, file, features.unsupported(),

@@ -41,7 +41,8 @@ std::string number_text(element value) {
 }
 
 double determinant(const std::array<double, 16>& m) {
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) + m[2] * (m[4] * m[9] - m[5] * m[8]);
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[1] * (m[4] * m[10] - m[6] * m[8]) +
+           m[2] * (m[4] * m[9] - m[5] * m[8]);
 }
 
 Vec3 placed(const std::array<double, 16>& m, const Vec3& p, const Vec3& anchor) {
@@ -122,7 +123,8 @@ void JsonGeometryReader::add_instance(element instance, const JsonPools& pools, 
         return;
     }
     uint64_t vertex = 0;
-    if (boundaries.begin() == boundaries.end() || (*boundaries.begin()).get(vertex) || vertex >= pools.vertices.size()) {
+    if (boundaries.begin() == boundaries.end() || (*boundaries.begin()).get(vertex) ||
+        vertex >= pools.vertices.size()) {
         ++bad_indices_;
         return;
     }
@@ -174,7 +176,8 @@ void JsonGeometryReader::add_boundaries(element geometry, const JsonPools& pools
         }
     }
     if (const auto themes = member(geometry, "texture")) {
-        if (const auto theme = theme_of(*themes, pools.appearance.texture_theme)) attached.texture = member(*theme, "values");
+        if (const auto theme = theme_of(*themes, pools.appearance.texture_theme))
+            attached.texture = member(*theme, "values");
     }
     add_level(boundaries, attached, *levels);
 }
@@ -244,8 +247,10 @@ bool JsonGeometryReader::ring_texture(const Element& texture, size_t points, std
             ++bad_textures_;
             return false;
         }
-        if (first) image = index;
-        else ring_texcoords_.push_back(pools_->appearance.texcoords[index]);
+        if (first)
+            image = index;
+        else
+            ring_texcoords_.push_back(pools_->appearance.texcoords[index]);
         first = false;
     }
     if (first) return false;
@@ -276,13 +281,16 @@ SurfaceStyle JsonGeometryReader::style_of(const Attached& attached, const std::o
     std::optional<std::array<uint8_t, 3>> colour;
     const JsonAppearance& appearance = pools_->appearance;
     if (const auto index = index_in(attached.material)) {
-        if (*index < appearance.materials.size()) colour = appearance.materials[*index];
-        else ++bad_textures_;
+        if (*index < appearance.materials.size())
+            colour = appearance.materials[*index];
+        else
+            ++bad_textures_;
     }
     if (image) {
         const JsonTexture& texture = appearance.textures[*image];
         const auto fallback = colour.value_or(default_colour(reading_.builder.kind(), style.kind));
-        style.material = reading_.materials.textured(file_, texture.image, texture.repeat, fallback, reading_.builder.id());
+        style.material =
+            reading_.materials.textured(file_, texture.image, texture.repeat, fallback, reading_.builder.id());
         style.textured = style.material.has_value();
     }
     if (!style.material && colour) style.material = reading_.materials.flat(*colour);

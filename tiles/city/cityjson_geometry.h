@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "tiles/city/cityjson_appearance.h"
 #include "tiles/city/city_reading.h"
+#include "tiles/city/cityjson_appearance.h"
 
 namespace citystream::tiles::city {
 
@@ -25,7 +25,8 @@ struct JsonTemplates {
     JsonPools pools;
 };
 
-/// The "lod" of a geometry as text; 2 and 2.0 are "2". Of a GeometryInstance that of its template. Empty when it has none.
+/// The "lod" of a geometry as text; 2 and 2.0 are "2". Of a GeometryInstance that of its template. Empty when it has
+/// none.
 std::string lod_of(simdjson::dom::element geometry, const JsonTemplates& templates);
 
 /// Adds the geometries of one object to reading.builder (begun by the caller).

@@ -51,7 +51,9 @@ void read_vertices(element parent, const char* key, const Transform& transform, 
     }
 }
 
-double lod_number(const std::string& lod) { return lod.empty() ? -1 : std::strtod(lod.c_str(), nullptr); }
+double lod_number(const std::string& lod) {
+    return lod.empty() ? -1 : std::strtod(lod.c_str(), nullptr);
+}
 
 /// One member of "CityObjects".
 struct Member {
@@ -79,7 +81,7 @@ class CityJsonReader {
             return read_document(first);
         }
         first += '\n';
-        if (const auto status = lines_.rest(first); !status) return status;
+        if (auto status = lines_.rest(first); !status) return status;
         return read_document(first);
     }
 
@@ -121,7 +123,7 @@ class CityJsonReader {
     Status read_document(std::string& text) {
         line_ = 1;
         byte_ = 0;
-        if (const auto status = read_header(text); !status) return status;
+        if (auto status = read_header(text); !status) return status;
         return read_objects(header_, header_pools_);
     }
 
@@ -129,12 +131,12 @@ class CityJsonReader {
         in_sequence_ = true;
         const uint64_t line_two = std::exchange(line_, 1);
         const uint64_t byte_two = std::exchange(byte_, 0);
-        if (const auto status = read_header(first); !status) return status;
-        if (const auto status = read_objects(header_, header_pools_); !status) return status;
+        if (auto status = read_header(first); !status) return status;
+        if (auto status = read_objects(header_, header_pools_); !status) return status;
         line_ = line_two;
         byte_ = byte_two;
         while (!reading_.stopped()) {
-            if (const auto status = read_feature_line(line); !status) return status;
+            if (auto status = read_feature_line(line); !status) return status;
             reading_.tell_progress(source_.stored_bytes_done());
             const auto more = next_filled_line(line);
             if (!more) return more.error();
@@ -149,15 +151,18 @@ class CityJsonReader {
         std::string_view type;
         if ((*root)["type"].get(type)) type = {};
         if (type == "CityJSON") {  // several sequences one after another
-            if (const auto status = read_header(line); !status) return status;
+            if (auto status = read_header(line); !status) return status;
             return read_objects(header_, header_pools_);
         }
-        if (type != "CityJSONFeature") return Error{fmt::format("{}: line {}: is no CityJSONFeature", file(), line_), byte_};
+        if (type != "CityJSONFeature")
+            return Error{fmt::format("{}: line {}: is no CityJSONFeature", file(), line_), byte_};
         read_vertices(*root, "vertices", transform_, feature_pools_.vertices);
         element appearance;
         const bool own_appearance = !(*root)["appearance"].get(appearance);
-        if (own_appearance) feature_pools_.appearance.read(appearance);
-        else if (feature_had_appearance_) feature_pools_.appearance = header_pools_.appearance;
+        if (own_appearance)
+            feature_pools_.appearance.read(appearance);
+        else if (feature_had_appearance_)
+            feature_pools_.appearance = header_pools_.appearance;
         feature_had_appearance_ = own_appearance;
         return read_objects(*root, feature_pools_);
     }
@@ -174,10 +179,11 @@ class CityJsonReader {
         }
         if (header_["version"].get(version)) version = "missing";
         if (!version.starts_with("1.0") && !version.starts_with("1.1") && !version.starts_with("2.0")) {
-            return Error{fmt::format("{}: CityJSON version {} is not supported (1.0, 1.1 and 2.0 are)", file(), version), byte_};
+            return Error{
+                fmt::format("{}: CityJSON version {} is not supported (1.0, 1.1 and 2.0 are)", file(), version), byte_};
         }
         if (!header_["metadata"]["referenceSystem"].get(name)) {
-            if (const auto status = reading_.agree_on_crs(epsg_of(name), file()); !status) return status;
+            if (auto status = reading_.agree_on_crs(epsg_of(name), file()); !status) return status;
         }
         if (reading_.header.title.empty() && !header_["metadata"]["title"].get(name)) reading_.header.title = name;
         read_pools();
@@ -202,7 +208,8 @@ class CityJsonReader {
         if (header_["geometry-templates"]["templates"].get(list)) return;
         for (const element geometry : list) templates_.geometries.push_back(geometry);
         templates_.pools.appearance = header_pools_.appearance;
-        read_vertices(header_["geometry-templates"].value(), "vertices-templates", Transform{}, templates_.pools.vertices);
+        read_vertices(header_["geometry-templates"].value(), "vertices-templates", Transform{},
+                      templates_.pools.vertices);
     }
 
     std::vector<Member>& collect_members(object objects) {
@@ -288,8 +295,9 @@ class CityJsonReader {
         const std::vector<element> chosen = chosen_geometries(member, lods);
         const std::string id(member.id);
         if (chosen.empty()) {
-            const std::string why = reading_.options.lod ? fmt::format("no geometry of LoD {} (has {})", *reading_.options.lod, lods)
-                                                         : std::string("no usable geometry");
+            const std::string why = reading_.options.lod
+                                        ? fmt::format("no geometry of LoD {} (has {})", *reading_.options.lod, lods)
+                                        : std::string("no usable geometry");
             reading_.drop(id, why, place(member));
             return false;
         }
@@ -326,6 +334,8 @@ class CityJsonReader {
 
 }  // namespace
 
-Status read_cityjson(TextSource& source, CityReading& reading) { return CityJsonReader(source, reading).read(); }
+Status read_cityjson(TextSource& source, CityReading& reading) {
+    return CityJsonReader(source, reading).read();
+}
 
 }  // namespace citystream::tiles::city

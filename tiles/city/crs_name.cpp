@@ -15,7 +15,9 @@ int32_t leading_number(std::string_view text) {
     return code == std::errc() && value > 0 ? value : 0;
 }
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
 
 /// German surveying authorities' names of ETRS89 / UTM zones.
 int32_t adv_code(std::string_view name) {
@@ -31,7 +33,8 @@ int32_t adv_code(std::string_view name) {
 
 int32_t epsg_of(std::string_view name) {
     std::string lower(name.substr(0, 400));
-    std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::transform(lower.begin(), lower.end(), lower.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     const std::string_view text = lower;
     constexpr std::string_view kEpsg = "epsg";
     const size_t at = text.find(kEpsg);

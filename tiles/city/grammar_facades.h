@@ -26,7 +26,7 @@ struct FacadeSpec {
     uint8_t floors = 1;   ///< of this section
     bool shop = false;    ///< shops on the ground floor (apartment fronts)
     uint16_t width_cm = 0;
-    friend auto operator<=>(const FacadeSpec&, const FacadeSpec&) = default;
+    friend auto operator<=>(const FacadeSpec&, const FacadeSpec&) = default;  // NOLINT(modernize-use-nullptr)
 };
 
 /// Heights of the storeys of a section, all multiples of 25 cm (256 grid units are 25 cm, so walls lie on the grid

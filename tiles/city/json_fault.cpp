@@ -34,7 +34,8 @@ class FaultFinder : public nlohmann::json_sax<Json> {
 
 }  // namespace
 
-Error json_fault(std::string_view text, const std::string& file, uint64_t first_line, uint64_t first_byte, const std::string& reason) {
+Error json_fault(std::string_view text, const std::string& file, uint64_t first_line, uint64_t first_byte,
+                 const std::string& reason) {
     FaultFinder finder;
     Json::sax_parse(text.begin(), text.end(), &finder);
     // The position counts the offending character too.

@@ -9,7 +9,9 @@
 
 namespace citystream::tiles::city {
 
-/// The error for `text`, which starts at line `first_line` and byte `first_byte` of `file` and which the parser refused with `reason`.
-Error json_fault(std::string_view text, const std::string& file, uint64_t first_line, uint64_t first_byte, const std::string& reason);
+/// The error for `text`, which starts at line `first_line` and byte `first_byte` of `file` and which the parser refused
+/// with `reason`.
+Error json_fault(std::string_view text, const std::string& file, uint64_t first_line, uint64_t first_byte,
+                 const std::string& reason);
 
 }  // namespace citystream::tiles::city

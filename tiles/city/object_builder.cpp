@@ -14,11 +14,21 @@ namespace {
 /// Stands in Triangle::material until finish() knows the surface's kind.
 constexpr uint32_t kByDefault = std::numeric_limits<uint32_t>::max();
 
-bool same(const Vec3& a, const Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vec3 cross(const Vec3& a, const Vec3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-double length(const Vec3& a) { return std::sqrt(dot(a, a)); }
+bool same(const Vec3& a, const Vec3& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+Vec3 minus(const Vec3& a, const Vec3& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+double dot(const Vec3& a, const Vec3& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+double length(const Vec3& a) {
+    return std::sqrt(dot(a, a));
+}
 
 Vec3 triangle_normal(const CityObject& object, const Triangle& t) {
     const Vec3& a = object.vertices[t.vertex[0]];
@@ -34,7 +44,6 @@ void ObjectBuilder::begin(std::string id, ObjectKind kind, std::string where) {
     where_ = std::move(where);
     welder_.clear();
     shell_begin_ = 0;
-    surfaces_seen_ = 0;
     counts_ = {};
 }
 
@@ -116,7 +125,10 @@ void ObjectBuilder::add_triangles(const SurfaceStyle& style) {
 }
 
 void ObjectBuilder::end_surface(const SurfaceStyle& style, bool turned) {
-    ++surfaces_seen_;
+    if (object_.triangles.size() >= kMostTriangles) {
+        ++counts_.beyond_limit;
+        return;
+    }
     if (!coordinates_are_sane()) {
         ++counts_.wild;
         return;
@@ -130,10 +142,17 @@ void ObjectBuilder::end_surface(const SurfaceStyle& style, bool turned) {
     triangles_.clear();
     const PolygonOutcome outcome = triangulator_.triangulate(corners_, ring_ends_, triangles_);
     switch (outcome.fault) {
-        case PolygonFault::kNone: break;
-        case PolygonFault::kDegenerate: ++counts_.degenerate; return;
-        case PolygonFault::kTangled: ++counts_.tangled; return;
-        case PolygonFault::kFailed: ++counts_.failed; return;
+        case PolygonFault::kNone:
+            break;
+        case PolygonFault::kDegenerate:
+            ++counts_.degenerate;
+            return;
+        case PolygonFault::kTangled:
+            ++counts_.tangled;
+            return;
+        case PolygonFault::kFailed:
+            ++counts_.failed;
+            return;
     }
     if (outcome.crosses_itself) ++counts_.crossing;
     add_triangles(style);
@@ -142,9 +161,14 @@ void ObjectBuilder::end_surface(const SurfaceStyle& style, bool turned) {
 void ObjectBuilder::end_shell(bool cavity) {
     const size_t begin = std::exchange(shell_begin_, object_.triangles.size());
     switch (orient_shell(object_.vertices, std::span(object_.triangles).subspan(begin), cavity)) {
-        case ShellRepair::kNone: break;
-        case ShellRepair::kTurned: ++counts_.turned_shells; break;
-        case ShellRepair::kStraightened: ++counts_.straightened_shells; break;
+        case ShellRepair::kNone:
+            break;
+        case ShellRepair::kTurned:
+            ++counts_.turned_shells;
+            break;
+        case ShellRepair::kStraightened:
+            ++counts_.straightened_shells;
+            break;
     }
 }
 
@@ -159,9 +183,12 @@ void ObjectBuilder::infer_kinds() {
         const double up = n.z / std::max(length(n), 1e-30);
         const bool at_foot = std::all_of(t.vertex.begin(), t.vertex.end(),
                                          [&](uint32_t v) { return object_.vertices[v].z < foot + kFootMetres; });
-        if (up > kSlope) t.surface = SurfaceKind::kRoof;
-        else if (std::abs(up) <= kSlope) t.surface = SurfaceKind::kWall;
-        else if (at_foot) t.surface = SurfaceKind::kGround;
+        if (up > kSlope)
+            t.surface = SurfaceKind::kRoof;
+        else if (std::abs(up) <= kSlope)
+            t.surface = SurfaceKind::kWall;
+        else if (at_foot)
+            t.surface = SurfaceKind::kGround;
     }
 }
 
@@ -175,6 +202,7 @@ void ObjectBuilder::report_counts() {
     say(counts_.degenerate, " surface(s) skipped: degenerate, no area");
     say(counts_.tangled, " surface(s) skipped: cross themselves too often or have more than 50000 points");
     say(counts_.failed, " surface(s) skipped: cannot be triangulated");
+    say(counts_.beyond_limit, " surface(s) skipped: the object has more than 8 million triangles");
     say(counts_.crossing, " surface(s) cross themselves: split by the odd-even rule");
     say(counts_.repeated_points, " repeated point(s) dropped");
     say(counts_.turned_shells, " shell(s) inside out: turned");

@@ -20,16 +20,21 @@ struct SurfaceStyle {
     bool textured = false;  ///< the material has an image, the points have texture coordinates
 };
 
-/// Call order: begin, then surfaces (begin_surface, rings of points, end_surface), optionally between begin_shell and end_shell, then finish.
+/// Call order: begin, then surfaces (begin_surface, rings of points, end_surface), optionally between begin_shell and
+/// end_shell, then finish.
 ///
-/// Repairs, each reported once per object with its id and a count: repeated neighbouring points are dropped; holes of fewer than three points are skipped; shells of
-/// solids that are inside out, or whose surfaces disagree, are turned (shell_orientation.h). A last point that closes its ring is dropped without a word.
-/// Skipped and reported: surfaces with fewer than three distinct points, without area, with coordinates that are no finite number or beyond kMostMetres, or that the
-/// tessellator cannot split. Surfaces that cross themselves are split by the odd-even rule and reported.
-/// Surfaces of buildings without semantics are told apart by their normal: up is roof, down at the foot is ground, else wall.
+/// Repairs, each reported once per object with its id and a count: repeated neighbouring points are dropped; holes of
+/// fewer than three points are skipped; shells of solids that are inside out, or whose surfaces disagree, are turned
+/// (shell_orientation.h). A last point that closes its ring is dropped without a word. Skipped and reported: surfaces
+/// with fewer than three distinct points, without area, with coordinates that are no finite number or beyond
+/// kMostMetres, or that the tessellator cannot split. Surfaces that cross themselves are split by the odd-even rule and
+/// reported. Surfaces of buildings without semantics are told apart by their normal: up is roof, down at the foot is
+/// ground, else wall.
 class ObjectBuilder {
   public:
     static constexpr double kMostMetres = 1e9;
+    /// Of one object; instances of a large template could otherwise fill the memory.
+    static constexpr size_t kMostTriangles = size_t{1} << 23;
 
     ObjectBuilder(MaterialTable& materials, CityReport& report) : materials_(materials), report_(report) {}
 
@@ -52,7 +57,6 @@ class ObjectBuilder {
     void report(const std::string& what);
     const std::string& id() const { return object_.id; }
     ObjectKind kind() const { return object_.kind; }
-    uint64_t surfaces_seen() const { return surfaces_seen_; }
 
     /// The object, or nothing when no triangle came out of it (the caller reports that).
     std::optional<CityObject> finish();
@@ -76,11 +80,10 @@ class ObjectBuilder {
     std::vector<uint32_t> ring_ends_;
     std::vector<std::array<uint32_t, 3>> triangles_;
     size_t shell_begin_ = 0;
-    uint64_t surfaces_seen_ = 0;
 
     struct Counts {
-        uint64_t repeated_points = 0, short_holes = 0, short_rings = 0, degenerate = 0, wild = 0, crossing = 0, tangled = 0,
-                 failed = 0, turned_shells = 0, straightened_shells = 0;
+        uint64_t repeated_points = 0, short_holes = 0, short_rings = 0, degenerate = 0, wild = 0, crossing = 0,
+                 tangled = 0, failed = 0, turned_shells = 0, straightened_shells = 0, beyond_limit = 0;
     };
     Counts counts_;
 };

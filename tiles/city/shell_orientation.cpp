@@ -7,9 +7,15 @@
 namespace citystream::tiles::city {
 namespace {
 
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vec3 cross(const Vec3& a, const Vec3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
-double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vec3 minus(const Vec3& a, const Vec3& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+Vec3 cross(const Vec3& a, const Vec3& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+double dot(const Vec3& a, const Vec3& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 Vec3 normal_of(const std::vector<Vec3>& vertices, const Triangle& t) {
     const Vec3& a = vertices[t.vertex[0]];
@@ -49,8 +55,10 @@ class EdgeGraph {
         for (size_t i = 0; i < sides.size();) {
             size_t end = i + 1;
             while (end < sides.size() && sides[end].low == sides[i].low && sides[end].high == sides[i].high) ++end;
-            if (end - i == 2) link(sides[i], sides[i + 1]);
-            else closed_ = false;
+            if (end - i == 2)
+                link(sides[i], sides[i + 1]);
+            else
+                closed_ = false;
             i = end;
         }
     }

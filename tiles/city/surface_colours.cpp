@@ -43,13 +43,19 @@ std::string existing_image(const std::string& model_file, const std::string& uri
 
 std::array<uint8_t, 3> building_colour(SurfaceKind surface) {
     switch (surface) {
-        case SurfaceKind::kRoof: return {168, 92, 74};
-        case SurfaceKind::kGround: return {128, 136, 116};
-        case SurfaceKind::kWindow: return {92, 118, 142};
-        case SurfaceKind::kDoor: return {112, 78, 54};
-        case SurfaceKind::kInstallation: return {176, 172, 166};
+        case SurfaceKind::kRoof:
+            return {168, 92, 74};
+        case SurfaceKind::kGround:
+            return {128, 136, 116};
+        case SurfaceKind::kWindow:
+            return {92, 118, 142};
+        case SurfaceKind::kDoor:
+            return {112, 78, 54};
+        case SurfaceKind::kInstallation:
+            return {176, 172, 166};
         case SurfaceKind::kWall:
-        case SurfaceKind::kUnknown: break;
+        case SurfaceKind::kUnknown:
+            break;
     }
     return {222, 214, 198};
 }
@@ -58,15 +64,24 @@ std::array<uint8_t, 3> building_colour(SurfaceKind surface) {
 
 std::array<uint8_t, 3> default_colour(ObjectKind object, SurfaceKind surface) {
     switch (object) {
-        case ObjectKind::kBuilding: return building_colour(surface);
-        case ObjectKind::kTerrain: return {132, 142, 102};
-        case ObjectKind::kLandUse: return {158, 164, 128};
-        case ObjectKind::kRoad: return {86, 86, 90};
-        case ObjectKind::kWater: return {84, 136, 186};
-        case ObjectKind::kVegetation: return {92, 142, 72};
-        case ObjectKind::kBridge: return {148, 144, 140};
-        case ObjectKind::kFurniture: return {118, 112, 108};
-        case ObjectKind::kOther: break;
+        case ObjectKind::kBuilding:
+            return building_colour(surface);
+        case ObjectKind::kTerrain:
+            return {132, 142, 102};
+        case ObjectKind::kLandUse:
+            return {158, 164, 128};
+        case ObjectKind::kRoad:
+            return {86, 86, 90};
+        case ObjectKind::kWater:
+            return {84, 136, 186};
+        case ObjectKind::kVegetation:
+            return {92, 142, 72};
+        case ObjectKind::kBridge:
+            return {148, 144, 140};
+        case ObjectKind::kFurniture:
+            return {118, 112, 108};
+        case ObjectKind::kOther:
+            break;
     }
     return {184, 180, 172};
 }

@@ -21,8 +21,8 @@ class MaterialTable {
     uint32_t flat(std::array<uint8_t, 3> rgb);
     uint32_t by_default(ObjectKind object, SurfaceKind surface) { return flat(default_colour(object, surface)); }
 
-    /// The material of image `uri` (relative to `model_file`'s folder; percent-encoding and backslashes are understood). Empty, and a defect once for
-    /// each image, when there is no such file.
+    /// The material of image `uri` (relative to `model_file`'s folder; percent-encoding and backslashes are
+    /// understood). Empty, and a defect once for each image, when there is no such file.
     std::optional<uint32_t> textured(const std::string& model_file, const std::string& uri, bool repeat,
                                      std::array<uint8_t, 3> fallback, const std::string& feature);
 

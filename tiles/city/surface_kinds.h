@@ -8,10 +8,12 @@
 
 namespace citystream::tiles::city {
 
-/// Of a city object ("Building", "BuildingPart", "Road", "TINRelief", ...); unknown names and extensions ("+X") are kOther.
+/// Of a city object ("Building", "BuildingPart", "Road", "TINRelief", ...); unknown names and extensions ("+X") are
+/// kOther.
 ObjectKind object_kind(std::string_view type);
 
-/// Of a semantic surface ("WallSurface", "Window", ...). Empty for surfaces that only exist inside a building (rooms' walls, floors and ceilings).
+/// Of a semantic surface ("WallSurface", "Window", ...). Empty for surfaces that only exist inside a building (rooms'
+/// walls, floors and ceilings).
 std::optional<SurfaceKind> surface_kind(std::string_view type);
 
 }  // namespace citystream::tiles::city

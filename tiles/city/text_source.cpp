@@ -19,7 +19,10 @@ constexpr uint64_t kMaxXzMemory = uint64_t{256} << 20;
 enum class Packing : uint8_t { kPlain, kXz, kGzip };
 
 Packing packing_of(std::string_view head) {
-    if (head.starts_with(std::string_view("\xFD" "7zXZ\0", 6))) return Packing::kXz;
+    if (head.starts_with(std::string_view("\xFD"
+                                          "7zXZ\0",
+                                          6)))
+        return Packing::kXz;
     if (head.starts_with("\x1F\x8B")) return Packing::kGzip;
     return Packing::kPlain;
 }
@@ -66,7 +69,8 @@ struct TextSource::State {
         size_t count = 0;
         if (file) {
             count = std::fread(out.data(), 1, out.size(), file.get());
-            if (count == 0 && std::ferror(file.get()) != 0) return error(std::string("read failed: ") + std::strerror(errno));
+            if (count == 0 && std::ferror(file.get()) != 0)
+                return error(std::string("read failed: ") + std::strerror(errno));
         } else {
             count = std::min(out.size(), memory.size() - static_cast<size_t>(done));
             std::copy_n(memory.data() + done, count, out.data());
@@ -92,7 +96,7 @@ struct TextSource::State {
         if (file) std::rewind(file.get());
         input.resize(kChunkBytes);
         input_begin = input_end = 0;
-        if (const auto status = refill(); !status) return status;
+        if (auto status = refill(); !status) return status;
         packing = packing_of(std::string_view(input.data(), input_end));
         if (packing == Packing::kXz && lzma_stream_decoder(&xz, kMaxXzMemory, LZMA_CONCATENATED) != LZMA_OK) {
             return error("cannot start the xz decoder");
@@ -188,18 +192,31 @@ Result<TextSource> TextSource::from_memory(std::string name, std::string_view by
 
 Result<size_t> TextSource::read(std::span<char> out) {
     switch (state_->packing) {
-        case Packing::kXz: return state_->read_xz(out);
-        case Packing::kGzip: return state_->read_gzip(out);
-        case Packing::kPlain: break;
+        case Packing::kXz:
+            return state_->read_xz(out);
+        case Packing::kGzip:
+            return state_->read_gzip(out);
+        case Packing::kPlain:
+            break;
     }
     return state_->read_plain(out);
 }
 
-Status TextSource::rewind() { return state_->start(); }
-const std::string& TextSource::name() const { return state_->name; }
-bool TextSource::compressed() const { return state_->packing != Packing::kPlain; }
-uint64_t TextSource::stored_bytes_done() const { return state_->done; }
-uint64_t TextSource::stored_bytes_total() const { return state_->total; }
+Status TextSource::rewind() {
+    return state_->start();
+}
+const std::string& TextSource::name() const {
+    return state_->name;
+}
+bool TextSource::compressed() const {
+    return state_->packing != Packing::kPlain;
+}
+uint64_t TextSource::stored_bytes_done() const {
+    return state_->done;
+}
+uint64_t TextSource::stored_bytes_total() const {
+    return state_->total;
+}
 
 Result<bool> LineReader::refill() {
     chunk_.resize(kChunkBytes);
@@ -218,8 +235,9 @@ Status LineReader::check_length(uint64_t length) const {
     uint64_t most = kMaxLineBytes;
     if (source_.compressed()) most = std::min(most, kFreeBytes + kMaxExpansion * source_.stored_bytes_done());
     if (length <= most) return Done{};
-    return Error{source_.name() + ": line " + std::to_string(line_number_) + ": longer than " + std::to_string(most) + " bytes",
-                 line_offset_};
+    return Error{
+        source_.name() + ": line " + std::to_string(line_number_) + ": longer than " + std::to_string(most) + " bytes",
+        line_offset_};
 }
 
 Result<bool> LineReader::next(std::string& line) {
@@ -250,7 +268,7 @@ Status LineReader::rest(std::string& text) {
     while (true) {
         text.append(chunk_, position_);
         position_ = chunk_.size();
-        if (const auto status = check_length(text.size()); !status) return status;
+        if (auto status = check_length(text.size()); !status) return status;
         const auto more = refill();
         if (!more) return more.error();
         if (!*more) return Done{};

@@ -11,7 +11,8 @@
 
 namespace citystream::tiles::city {
 
-/// One input, read from front to back. Memory: one chunk and the decompressor's window (xz inputs that ask for more than 256 MiB are refused).
+/// One input, read from front to back. Memory: one chunk and the decompressor's window (xz inputs that ask for more
+/// than 256 MiB are refused).
 class TextSource {
   public:
     static Result<TextSource> open(const std::string& path);
@@ -22,14 +23,15 @@ class TextSource {
     TextSource& operator=(TextSource&&) noexcept;
     ~TextSource();
 
-    /// Fills the front of `out` with the next decompressed bytes; 0 at the end. Error: damaged or truncated compression, read failure.
+    /// Fills the front of `out` with the next decompressed bytes; 0 at the end. Error: damaged or truncated
+    /// compression, read failure.
     Result<size_t> read(std::span<char> out);
     /// Starts over from the first byte.
     Status rewind();
 
     const std::string& name() const;
     bool compressed() const;
-    uint64_t stored_bytes_done() const;   ///< of the file as stored, for progress
+    uint64_t stored_bytes_done() const;  ///< of the file as stored, for progress
     uint64_t stored_bytes_total() const;
 
   private:
@@ -49,7 +51,8 @@ class LineReader {
 
     explicit LineReader(TextSource& source) : source_(source) {}
 
-    /// Replaces `line` by the next one without its line end; false at the end of the input. A last line without line end counts.
+    /// Replaces `line` by the next one without its line end; false at the end of the input. A last line without line
+    /// end counts.
     Result<bool> next(std::string& line);
     /// Appends all that is left (line ends included).
     Status rest(std::string& text);

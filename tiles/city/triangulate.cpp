@@ -18,8 +18,12 @@ constexpr double kLeastCompactness = 1e-11;
 /// Two places closer than this are one (metres, in the plane).
 constexpr double kTouch = 1e-6;
 
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-double length(const Vec3& v) { return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z); }
+Vec3 minus(const Vec3& a, const Vec3& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+double length(const Vec3& v) {
+    return std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
+}
 double cross(const Vec2& a, const Vec2& b, const Vec2& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
@@ -71,8 +75,8 @@ struct Triangulator::State {
     std::vector<std::array<uint32_t, 3>>* triangles = nullptr;
     Vec3 origin;
     Projection projection{Vec3{}};
-    std::vector<Node> nodes;     ///< of the rings; not resized while the tessellator holds pointers into it
-    std::deque<Node> made;       ///< at crossings; addresses stay
+    std::vector<Node> nodes;  ///< of the rings; not resized while the tessellator holds pointers into it
+    std::deque<Node> made;    ///< at crossings; addresses stay
     std::vector<Vec2> flat;
     std::array<uint32_t, 3> pending{};
     size_t pending_count = 0;
@@ -216,7 +220,8 @@ using Callback = void (*)();
 
 double perimeter(std::span<const Corner> ring) {
     double sum = 0;
-    for (size_t i = 0; i < ring.size(); ++i) sum += length(minus(ring[(i + 1) % ring.size()].position, ring[i].position));
+    for (size_t i = 0; i < ring.size(); ++i)
+        sum += length(minus(ring[(i + 1) % ring.size()].position, ring[i].position));
     return sum;
 }
 
@@ -225,7 +230,9 @@ double perimeter(std::span<const Corner> ring) {
 Triangulator::Triangulator() : state_(std::make_unique<State>()) {
     using Self = State;
     struct Callbacks {
-        static void vertex(void* node, void* self) { static_cast<Self*>(self)->add_vertex(static_cast<Node*>(node)->corner); }
+        static void vertex(void* node, void* self) {
+            static_cast<Self*>(self)->add_vertex(static_cast<Node*>(node)->corner);
+        }
         static void combine(GLdouble place[3], void* sources[4], GLfloat weights[4], void** out, void* self) {
             std::array<Node*, 4> nodes{};
             for (int i = 0; i < 4; ++i) nodes[i] = static_cast<Node*>(sources[i]);
@@ -242,7 +249,9 @@ Triangulator::Triangulator() : state_(std::make_unique<State>()) {
     gluTessCallback(state_->tessellator, GLU_TESS_EDGE_FLAG_DATA, reinterpret_cast<Callback>(&Callbacks::edge_flag));
 }
 
-Triangulator::~Triangulator() { gluDeleteTess(state_->tessellator); }
+Triangulator::~Triangulator() {
+    gluDeleteTess(state_->tessellator);
+}
 
 PolygonOutcome Triangulator::triangulate(std::vector<Corner>& corners, std::span<const uint32_t> ring_ends,
                                          std::vector<std::array<uint32_t, 3>>& triangles) {

@@ -33,7 +33,8 @@ struct PolygonOutcome {
 /// Newell's normal of a ring: counter-clockwise seen from its tip, twice the area long.
 Vec3 newell_normal(std::span<const Corner> ring);
 
-/// Reusable; one per thread. Triangles are counter-clockwise about the outer ring's Newell normal, whatever way the holes run.
+/// Reusable; one per thread. Triangles are counter-clockwise about the outer ring's Newell normal, whatever way the
+/// holes run.
 class Triangulator {
   public:
     static constexpr size_t kMostCorners = 50000;
@@ -43,10 +44,11 @@ class Triangulator {
     Triangulator(const Triangulator&) = delete;
     Triangulator& operator=(const Triangulator&) = delete;
 
-    /// `corners` holds all rings one after another (each at least 3 points, not closed, no equal neighbours, finite); ring i ends before ring_ends[i]; ring 0 is the
-    /// outer one. Appends triangles that index `corners`. Where edges cross or touch, corners with interpolated texture coordinates are appended.
-    /// Memory is O(n): polygons with more than about 2n crossings are refused (kTangled). Time is quadratic with a small constant for outlines of very many points
-    /// (20,000: 1 s), so more than kMostCorners are refused too.
+    /// `corners` holds all rings one after another (each at least 3 points, not closed, no equal neighbours, finite);
+    /// ring i ends before ring_ends[i]; ring 0 is the outer one. Appends triangles that index `corners`. Where edges
+    /// cross or touch, corners with interpolated texture coordinates are appended. Memory is O(n): polygons with more
+    /// than about 2n crossings are refused (kTangled). Time is quadratic with a small constant for outlines of very
+    /// many points (20,000: 1 s), so more than kMostCorners are refused too.
     PolygonOutcome triangulate(std::vector<Corner>& corners, std::span<const uint32_t> ring_ends,
                                std::vector<std::array<uint32_t, 3>>& triangles);
 

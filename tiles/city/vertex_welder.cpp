@@ -17,7 +17,9 @@ size_t hash_of(const Vec3& p) {
     return static_cast<size_t>(h ^ (h >> 29));
 }
 
-bool same(const Vec3& a, const Vec3& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+bool same(const Vec3& a, const Vec3& b) {
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
 
 }  // namespace
 

@@ -33,7 +33,8 @@ std::string_view XmlAttributes::operator[](std::string_view local_name) const {
 
 class XmlParsing {
   public:
-    XmlParsing(TextSource& source, XmlHandler& handler) : source_(source), handler_(handler), parser_(XML_ParserCreate(nullptr)) {
+    XmlParsing(TextSource& source, XmlHandler& handler)
+        : source_(source), handler_(handler), parser_(XML_ParserCreate(nullptr)) {
         XML_SetUserData(parser_.get(), this);
         XML_SetElementHandler(parser_.get(), &on_start, &on_end);
         XML_SetCharacterDataHandler(parser_.get(), &on_text);
@@ -51,7 +52,8 @@ class XmlParsing {
             if (buffer == nullptr) return fault("out of memory");
             const auto count = source_.read({static_cast<char*>(buffer), kChunkBytes});
             if (!count) return count.error();
-            const auto code = XML_ParseBuffer(parser_.get(), static_cast<int>(*count), *count == 0 ? XML_TRUE : XML_FALSE);
+            const auto code =
+                XML_ParseBuffer(parser_.get(), static_cast<int>(*count), *count == 0 ? XML_TRUE : XML_FALSE);
             if (!handler_.fault_.empty()) return fault(handler_.fault_);
             if (handler_.stopped_) return Done{};
             if (code != XML_STATUS_OK) {
@@ -97,7 +99,8 @@ class XmlParsing {
         auto& parsing = *static_cast<XmlParsing*>(self);
         if (!parsing.handler_.collecting_ || parsing.over()) return;
         parsing.handler_.text_.append(text, static_cast<size_t>(length));
-        if (parsing.handler_.text_.size() > kMostText) parsing.handler_.refuse("more than 256 MiB of text in one element");
+        if (parsing.handler_.text_.size() > kMostText)
+            parsing.handler_.refuse("more than 256 MiB of text in one element");
         parsing.check();
     }
 

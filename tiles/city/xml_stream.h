@@ -50,8 +50,9 @@ class XmlHandler {
     std::function<uint64_t()> line_now_;
 };
 
-/// Parses the source to its end, or until the handler stops. Error (with line and byte): not well-formed, a document type declaration (entities are refused),
-/// more than 256 levels, more than 256 MiB of text in one element, or what the handler refused.
+/// Parses the source to its end, or until the handler stops. Error (with line and byte): not well-formed, a document
+/// type declaration (entities are refused), more than 256 levels, more than 256 MiB of text in one element, or what the
+/// handler refused.
 Status parse_xml(TextSource& source, XmlHandler& handler, const std::function<void()>& after_chunk);
 
 }  // namespace citystream::tiles::city

@@ -19,7 +19,7 @@ using quadtree::PaintKind;
 
 constexpr double kRoofSlope = 0.5;
 constexpr size_t kFacadeTriangles = 2;
-constexpr size_t kMeasuredTriangles = 600;  // larger objects are left to decimation: measuring is quadratic
+constexpr size_t kMeasuredPairs = 1 << 18;  // triangles times triangles; beyond it an object is left to decimation
 constexpr size_t kDirections = 24;
 
 /// Sum of colours in linear light.
@@ -43,16 +43,22 @@ struct ColourSum {
 
 std::array<uint8_t, 3> colour_of(const Paint& paint, ImageCache& images, FacadePainter& facades) {
     switch (paint.kind) {
-        case PaintKind::kMaterial: return images.mean_colour(paint.a);
-        case PaintKind::kFacade: return facades.mean_colour(paint.a, paint.b);
-        default: return paint.rgb();
+        case PaintKind::kMaterial:
+            return images.mean_colour(paint.a);
+        case PaintKind::kFacade:
+            return facades.mean_colour(paint.a, paint.b);
+        default:
+            return paint.rgb();
     }
 }
 
-double length_of(const std::array<double, 3>& n) { return std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]); }
+double length_of(const std::array<double, 3>& n) {
+    return std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+}
 
 std::array<double, 3> normal_of(const BuildObject& object, const BuildTriangle& triangle) {
-    return quadtree::triangle_normal(object.vertices[triangle.vertex[0]], object.vertices[triangle.vertex[1]], object.vertices[triangle.vertex[2]]);
+    return quadtree::triangle_normal(object.vertices[triangle.vertex[0]], object.vertices[triangle.vertex[1]],
+                                     object.vertices[triangle.vertex[2]]);
 }
 
 /// Mean height of what faces up, weighted by its area seen from above.
@@ -79,10 +85,12 @@ void add_triangle(BuildObject& object, uint32_t a, uint32_t b, uint32_t c, uint3
 }
 
 /// Walls around an outline and a roof on it. False when the outline cannot be cut into triangles.
-bool extrude(BuildObject& block, const Outline& outline, const GridPoint& origin, int64_t bottom, int64_t top, const BlockColours& colours) {
+bool extrude(BuildObject& block, const Outline& outline, const GridPoint& origin, int64_t bottom, int64_t top,
+             const BlockColours& colours) {
     const std::vector<uint32_t> roof = triangulate_outline(outline);
     if (roof.empty()) return false;
-    const uint32_t wall_paint = block.paint_index(Paint::flat(colours.wall)), roof_paint = block.paint_index(Paint::flat(colours.roof));
+    const uint32_t wall_paint = block.paint_index(Paint::flat(colours.wall)),
+                   roof_paint = block.paint_index(Paint::flat(colours.roof));
     const auto base = static_cast<uint32_t>(block.vertices.size()), n = static_cast<uint32_t>(outline.size());
     for (const OutlinePoint& p : outline) {
         block.vertices.push_back({origin.x + p[0], origin.y + p[1], bottom});
@@ -94,7 +102,8 @@ bool extrude(BuildObject& block, const Outline& outline, const GridPoint& origin
         add_triangle(block, a, b + 1, a + 1, wall_paint, city::SurfaceKind::kWall);
     }
     for (size_t i = 0; i + 2 < roof.size(); i += 3) {
-        add_triangle(block, base + 2 * roof[i] + 1, base + 2 * roof[i + 1] + 1, base + 2 * roof[i + 2] + 1, roof_paint, city::SurfaceKind::kRoof);
+        add_triangle(block, base + 2 * roof[i] + 1, base + 2 * roof[i + 1] + 1, base + 2 * roof[i + 2] + 1, roof_paint,
+                     city::SurfaceKind::kRoof);
     }
     return true;
 }
@@ -104,7 +113,8 @@ Outline box_outline(const BuildObject& object, const GridPoint& origin) {
     std::vector<OutlinePoint> points, directions;
     std::map<OutlinePoint, bool> seen;
     const auto add = [&](const GridPoint& p) {
-        if (seen.try_emplace({p.x - origin.x, p.y - origin.y}, true).second) points.push_back({p.x - origin.x, p.y - origin.y});
+        if (seen.try_emplace({p.x - origin.x, p.y - origin.y}, true).second)
+            points.push_back({p.x - origin.x, p.y - origin.y});
     };
     for (const GridPoint& p : object.vertices) add(p);
     for (const BuildFacade& facade : object.facades) {
@@ -119,7 +129,8 @@ Outline box_outline(const BuildObject& object, const GridPoint& origin) {
         }
     }
     const auto length = [](const OutlinePoint& d) { return d[0] * d[0] + d[1] * d[1]; };
-    std::stable_sort(directions.begin(), directions.end(), [&](const OutlinePoint& a, const OutlinePoint& b) { return length(a) > length(b); });
+    std::stable_sort(directions.begin(), directions.end(),
+                     [&](const OutlinePoint& a, const OutlinePoint& b) { return length(a) > length(b); });
     if (directions.size() > kDirections) directions.resize(kDirections);
     directions.push_back({1, 0});
     return oriented_box(points, directions);
@@ -132,10 +143,12 @@ BuildObject empty_block(const BuildObject& object) {
     return block;
 }
 
-std::optional<BuildObject> outline_block(const BuildObject& object, double tolerance, int64_t top, const GridBox& box, const BlockColours& colours) {
+std::optional<BuildObject> outline_block(const BuildObject& object, double tolerance, int64_t top, const GridBox& box,
+                                         const BlockColours& colours) {
     BuildObject block = empty_block(object);
     for (Outline& outline : roof_outlines(object, box.lo)) {
-        if (doubled_area(outline) <= 2 * tolerance * tolerance) continue;  // holes and specks; the measurement says whether they may go
+        if (doubled_area(outline) <= 2 * tolerance * tolerance)
+            continue;  // holes and specks; the measurement says whether they may go
         simplify_outline(outline, tolerance);
         if (!extrude(block, outline, box.lo, box.lo.z, top, colours)) return std::nullopt;
     }
@@ -148,19 +161,25 @@ struct CrowdMember {
     GridBox box;
 };
 
-double footprint_area(const GridBox& box) { return static_cast<double>(box.hi.x - box.lo.x) * static_cast<double>(box.hi.y - box.lo.y); }
+double footprint_area(const GridBox& box) {
+    return static_cast<double>(box.hi.x - box.lo.x) * static_cast<double>(box.hi.y - box.lo.y);
+}
 
 /// Greatest distance of a corner of box a to box b as a solid.
 double corner_distance(const GridBox& a, const GridBox& b) {
-    const auto reach = [](int64_t lo, int64_t hi, int64_t l, int64_t h) { return static_cast<double>(std::max<int64_t>({0, l - lo, hi - h})); };
-    return std::hypot(reach(a.lo.x, a.hi.x, b.lo.x, b.hi.x), reach(a.lo.y, a.hi.y, b.lo.y, b.hi.y), reach(a.lo.z, a.hi.z, b.lo.z, b.hi.z));
+    const auto reach = [](int64_t lo, int64_t hi, int64_t l, int64_t h) {
+        return static_cast<double>(std::max<int64_t>({0, l - lo, hi - h}));
+    };
+    return std::hypot(reach(a.lo.x, a.hi.x, b.lo.x, b.hi.x), reach(a.lo.y, a.hi.y, b.lo.y, b.hi.y),
+                      reach(a.lo.z, a.hi.z, b.lo.z, b.hi.z));
 }
 
 /// Distance of a corner of a box to the nearest of the members as solids, greatest over the corners.
 double distance_to_members(const GridBox& box, const std::vector<CrowdMember>& members) {
     double worst = 0;
     for (uint32_t i = 0; i < 8; ++i) {
-        const GridPoint p = {(i & 1U) != 0 ? box.hi.x : box.lo.x, (i & 2U) != 0 ? box.hi.y : box.lo.y, (i & 4U) != 0 ? box.hi.z : box.lo.z};
+        const GridPoint p = {(i & 1U) != 0 ? box.hi.x : box.lo.x, (i & 2U) != 0 ? box.hi.y : box.lo.y,
+                             (i & 4U) != 0 ? box.hi.z : box.lo.z};
         double nearest = 1e300;
         for (const CrowdMember& member : members) nearest = std::min(nearest, corner_distance({p, p}, member.box));
         worst = std::max(worst, nearest);
@@ -168,7 +187,8 @@ double distance_to_members(const GridBox& box, const std::vector<CrowdMember>& m
     return worst;
 }
 
-BuildObject crowd_box(const std::vector<BuildObject>& objects, const std::vector<CrowdMember>& members, ImageCache& images, FacadePainter& facades) {
+BuildObject crowd_box(const std::vector<BuildObject>& objects, const std::vector<CrowdMember>& members,
+                      ImageCache& images, FacadePainter& facades) {
     double area = 0, x = 0, y = 0, height = 0;
     GridBox all;
     ColourSum walls, roofs;
@@ -187,10 +207,12 @@ BuildObject crowd_box(const std::vector<BuildObject>& objects, const std::vector
         error = std::max(error, objects[member.object].error);
     }
     const auto half = static_cast<int64_t>(std::sqrt(area) / 2) + 1;
-    const GridPoint centre = {members[0].box.lo.x + std::llround(x / area), members[0].box.lo.y + std::llround(y / area), all.lo.z};
+    const GridPoint centre = {members[0].box.lo.x + std::llround(x / area),
+                              members[0].box.lo.y + std::llround(y / area), all.lo.z};
     const int64_t top = all.lo.z + std::max<int64_t>(1, std::llround(height / area));
     BuildObject box = empty_block(objects[members[0].object]);
-    extrude(box, {{-half, -half}, {half, -half}, {half, half}, {-half, half}}, centre, all.lo.z, top, {walls.mean(), roofs.mean()});
+    extrude(box, {{-half, -half}, {half, -half}, {half, half}, {-half, half}}, centre, all.lo.z, top,
+            {walls.mean(), roofs.mean()});
     const GridBox bounds = box.box();
     double reached = distance_to_members(bounds, members);
     for (const CrowdMember& member : members) reached = std::max(reached, corner_distance(member.box, bounds));
@@ -218,10 +240,11 @@ BlockColours mean_colours(const BuildObject& object, ImageCache& images, FacadeP
     return {walls.mean(), roofs.mean()};
 }
 
-std::optional<BuildObject> make_block(const BuildObject& object, double allowed, ImageCache& images, FacadePainter& facades) {
+std::optional<BuildObject> make_block(const BuildObject& object, double allowed, ImageCache& images,
+                                      FacadePainter& facades) {
     const size_t triangles = object.triangles.size() + kFacadeTriangles * object.facades.size();
     const double limit = allowed * kGridUnitsPerMetre;
-    if (triangles <= 10 || triangles > kMeasuredTriangles) return std::nullopt;  // a box has ten: four walls and a roof
+    if (triangles <= 10) return std::nullopt;  // a box has ten: four walls and a roof
     const GridBox box = object.box();
     const auto top = mean_top(object);
     // A block this low or this far from the highest point is out before anything is measured.
@@ -231,13 +254,15 @@ std::optional<BuildObject> make_block(const BuildObject& object, double allowed,
     std::optional<BuildObject> best;
     const auto consider = [&](std::optional<BuildObject> block) {
         if (!block || block->triangles.size() >= (best ? best->triangles.size() : triangles)) return;
+        if (block->triangles.size() * surface.size() > kMeasuredPairs) return;
         const double distance = surface_distance(surface, surface_of(*block, box.lo), limit);
         if (distance > limit) return;
         block->error = object.error + static_cast<float>(distance * kMetresPerGridUnit);
         best = std::move(block);
     };
     BuildObject rectangle = empty_block(object);
-    if (extrude(rectangle, box_outline(object, box.lo), box.lo, box.lo.z, *top, colours)) consider(std::move(rectangle));
+    if (extrude(rectangle, box_outline(object, box.lo), box.lo, box.lo.z, *top, colours))
+        consider(std::move(rectangle));
     if (!best) consider(outline_block(object, limit * 0.8, *top, box, colours));
     if (!best) consider(outline_block(object, limit * 0.3, *top, box, colours));
     return best;

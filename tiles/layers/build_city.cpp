@@ -90,11 +90,15 @@ class CityBuild {
         FacadePainter facades(catalog_, images);
         Preview preview(objects_->extent(), images);
         const TileWorkshop workshop{catalog_, images, facades, options_.layers, tree->origin};
-        auto tiles = build_tiles({options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, preview, made_up_ground});
+        auto tiles = build_tiles(
+            {options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, preview, made_up_ground});
         if (!tiles) return tiles.error();
         fill_manifest(*tree, made_up_ground);
         const std::vector<std::byte> picture = preview.encode(folder_->path() + "/preview.png");
-        if (Status status = write_city_archive({manifest_, *tree, *tiles, *layer_spool_, catalog_, facades, picture, options_}); !status) return status;
+        if (Status status =
+                write_city_archive({manifest_, *tree, *tiles, *layer_spool_, catalog_, facades, picture, options_});
+            !status)
+            return status;
         for (city::Defect& defect : images.take_defects()) report_.add(std::move(defect));
         return reference_ ? reference_->finish(catalog_, facades, objects_->extent(), tree->origin) : Status(Done{});
     }
@@ -106,10 +110,13 @@ class CityBuild {
         manifest_.root_side_log2 = tree.root_side_log2;
         manifest_.levels = tree.levels();
         const quadtree::GridBox& box = objects_->extent();
-        manifest_.extent.min = {to_metres(box.lo.x - tree.origin.x), to_metres(box.lo.y - tree.origin.y), to_metres(box.lo.z)};
-        manifest_.extent.max = {to_metres(box.hi.x - tree.origin.x), to_metres(box.hi.y - tree.origin.y), to_metres(box.hi.z)};
+        manifest_.extent.min = {to_metres(box.lo.x - tree.origin.x), to_metres(box.lo.y - tree.origin.y),
+                                to_metres(box.lo.z)};
+        manifest_.extent.max = {to_metres(box.hi.x - tree.origin.x), to_metres(box.hi.y - tree.origin.y),
+                                to_metres(box.hi.z)};
         double square = 0;
-        for (size_t axis = 0; axis < 3; ++axis) square += std::pow(manifest_.extent.max[axis] - manifest_.extent.min[axis], 2);
+        for (size_t axis = 0; axis < 3; ++axis)
+            square += std::pow(manifest_.extent.max[axis] - manifest_.extent.min[axis], 2);
         manifest_.root_geometric_error = std::max(std::sqrt(square), 1.0);
         manifest_.buildings = report_.buildings_emitted;
         manifest_.facades = objects_->facades();

@@ -15,26 +15,29 @@
 namespace citystream::tiles::layers {
 
 struct BuildOptions {
-    std::string output;                  ///< the archive; written under a temporary name and renamed
-    std::string reference;               ///< a .glb of the uncompressed city beside it; empty = none
-    std::string temporary_parent;        ///< where the spool folder goes; empty = the output's folder
+    std::string output;            ///< the archive; written under a temporary name and renamed
+    std::string reference;         ///< a .glb of the uncompressed city beside it; empty = none
+    std::string temporary_parent;  ///< where the spool folder goes; empty = the output's folder
     std::array<bool, tileset::kLayerCount> layers = {true, true, true, false};
-    uint32_t jobs = 0;                   ///< threads; 0 = all cores. The bytes do not depend on it
+    uint32_t jobs = 0;  ///< threads; 0 = all cores. The bytes do not depend on it
     uint64_t memory_limit = uint64_t{2} << 30;
-    uint64_t leaf_triangles = 8192;      ///< tiles with more are split, down to 64 m
-    bool auto_ground = true;             ///< a flat ground where the input has none
-    std::string description;             ///< of the options, for Manifest::build_options
-    const std::atomic<bool>* cancel = nullptr;  ///< set to stop early: the build fails with "interrupted" and leaves nothing behind
+    uint64_t leaf_triangles = 8192;  ///< tiles with more are split, down to 64 m
+    bool auto_ground = true;         ///< a flat ground where the input has none
+    std::string description;         ///< of the options, for Manifest::build_options
+    const std::atomic<bool>* cancel =
+        nullptr;  ///< set to stop early: the build fails with "interrupted" and leaves nothing behind
     /// Called from one thread at a time.
     std::function<void(std::string_view stage, uint64_t done, uint64_t total)> progress;
 };
 
-/// Delivers the city: fills header, catalog and report, and gives every object to the sink. An error does not undo what came before.
-using CitySource = std::function<Status(city::CityHeader&, city::CityCatalog&, city::CityReport&, const city::CitySink&)>;
+/// Delivers the city: fills header, catalog and report, and gives every object to the sink. An error does not undo what
+/// came before.
+using CitySource =
+    std::function<Status(city::CityHeader&, city::CityCatalog&, city::CityReport&, const city::CitySink&)>;
 
 struct BuildSummary {
     tileset::Manifest manifest;
-    city::CityReport report;      ///< of the reader and of the builder
+    city::CityReport report;  ///< of the reader and of the builder
     uint64_t archive_bytes = 0;
     uint64_t reference_bytes = 0;
     double seconds = 0;

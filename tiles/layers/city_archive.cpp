@@ -84,7 +84,8 @@ Status add_text(archive::ArchiveWriter& writer, const std::string& name, const s
     return writer.add(name, std::as_bytes(std::span(text)));
 }
 
-Status add_tile(archive::ArchiveWriter& writer, const ArchiveContents& contents, const BuiltTile& tile, std::vector<std::byte>& scratch) {
+Status add_tile(archive::ArchiveWriter& writer, const ArchiveContents& contents, const BuiltTile& tile,
+                std::vector<std::byte>& scratch) {
     for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
         if (tile.record.layers[layer].empty()) continue;
         scratch.clear();
@@ -99,12 +100,18 @@ Status add_directory(archive::ArchiveWriter& writer, const ArchiveContents& cont
     std::vector<tileset::FacadeMapRecord> maps;
     const std::vector<std::byte> map_bytes = pack_maps(contents, maps);
     const std::vector<std::byte> index = tileset::write_facade_index(maps, contents.manifest);
-    if (Status status = add_text(writer, tileset::kTilesetPath, tileset::write_tileset_json(contents.manifest)); !status) return status;
+    if (Status status = add_text(writer, tileset::kTilesetPath, tileset::write_tileset_json(contents.manifest));
+        !status)
+        return status;
     for (const tileset::Subtree& subtree : make_subtrees(contents.tiles, contents.manifest.subtree_levels)) {
-        if (Status status = writer.add(tileset::subtree_path(subtree.root), tileset::write_subtree(subtree, contents.manifest)); !status) return status;
+        if (Status status =
+                writer.add(tileset::subtree_path(subtree.root), tileset::write_subtree(subtree, contents.manifest));
+            !status)
+            return status;
     }
     if (Status status = writer.add(tileset::kFacadeIndexPath, index); !status) return status;
-    return writer.add(tileset::kFacadeMapsPath, map_bytes);
+    // An empty entry is no valid 3TZ: a city without facades has none.
+    return map_bytes.empty() ? Status(Done{}) : writer.add(tileset::kFacadeMapsPath, map_bytes);
 }
 
 }  // namespace

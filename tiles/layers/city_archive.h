@@ -11,17 +11,18 @@
 namespace citystream::tiles::layers {
 
 struct ArchiveContents {
-    tileset::Manifest& manifest;                ///< totals, layers and dictionary fields are filled in
+    tileset::Manifest& manifest;  ///< totals, layers and dictionary fields are filled in
     const quadtree::TileTree& tree;
-    const std::vector<BuiltTile>& tiles;        ///< by node of the tree
+    const std::vector<BuiltTile>& tiles;  ///< by node of the tree
     quadtree::SpoolFile& layer_spool;
     const city::CityCatalog& catalog;
     FacadePainter& facades;
-    std::span<const std::byte> preview;         ///< PNG; may be empty
+    std::span<const std::byte> preview;  ///< PNG; may be empty
     const BuildOptions& options;
 };
 
-/// Order: tileset.json, subtrees, facades/index, facades/maps, tiles depth first with the layers of one tile side by side, preview.
+/// Order: tileset.json, subtrees, facades/index, facades/maps, tiles depth first with the layers of one tile side by
+/// side, preview.
 Status write_city_archive(const ArchiveContents& contents);
 
 }  // namespace citystream::tiles::layers

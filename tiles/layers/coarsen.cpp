@@ -16,11 +16,11 @@ using quadtree::BuildTriangle;
 using quadtree::Paint;
 using quadtree::PaintKind;
 
-constexpr double kErrorGrowth = 1.6;      // a try that does not fit is repeated with this much more error
+constexpr double kErrorGrowth = 1.6;  // a try that does not fit is repeated with this much more error
 constexpr int kMostTries = 24;
-constexpr uint64_t kGroundShare = 3;      // the ground may take a third of the triangles
-constexpr size_t kDetailed = 60;          // objects with more triangles than this are decimated when no block will do
-constexpr double kFacadeTexels = 6;       // a facade narrower than this many texels is one colour
+constexpr uint64_t kGroundShare = 3;  // the ground may take a third of the triangles
+constexpr size_t kDetailed = 60;      // objects with more triangles than this are decimated when no block will do
+constexpr double kFacadeTexels = 6;   // a facade narrower than this many texels is one colour
 constexpr int64_t kFullTexcoord = 65536;
 
 uint64_t triangle_count(const std::vector<BuildObject>& objects) {
@@ -34,7 +34,8 @@ void add_flat_wall(BuildObject& object, const BuildFacade& facade, const Paint& 
     const auto base = static_cast<uint32_t>(object.vertices.size());
     for (const GridPoint& corner : facade.corners()) object.vertices.push_back(corner);
     const uint32_t paint_index = object.paint_index(paint);
-    constexpr std::array<std::array<int64_t, 2>, 4> kTexcoords = {{{0, 0}, {kFullTexcoord, 0}, {kFullTexcoord, kFullTexcoord}, {0, kFullTexcoord}}};
+    constexpr std::array<std::array<int64_t, 2>, 4> kTexcoords = {
+        {{0, 0}, {kFullTexcoord, 0}, {kFullTexcoord, kFullTexcoord}, {0, kFullTexcoord}}};
     constexpr std::array<std::array<uint32_t, 3>, 2> kTriangles = {{{0, 1, 2}, {0, 2, 3}}};
     for (const auto& corners : kTriangles) {
         BuildTriangle triangle;
@@ -50,10 +51,12 @@ void add_flat_wall(BuildObject& object, const BuildFacade& facade, const Paint& 
 
 class Coarsener {
   public:
-    Coarsener(const CoarsenSpec& spec, const TileWorkshop& workshop, double error) : spec_(spec), workshop_(workshop), error_(error) {}
+    Coarsener(const CoarsenSpec& spec, const TileWorkshop& workshop, double error)
+        : spec_(spec), workshop_(workshop), error_(error) {}
 
     std::vector<BuildObject> run(std::vector<BuildObject> objects) const {
-        merge_crowds(objects, std::max<int64_t>(1, std::llround(error_ / 2 * kGridUnitsPerMetre)), workshop_.images, workshop_.facades);
+        merge_crowds(objects, std::max<int64_t>(1, std::llround(error_ / 2 * kGridUnitsPerMetre)), workshop_.images,
+                     workshop_.facades);
         for (BuildObject& object : objects) {
             coarsen_object(object);
         }
@@ -71,7 +74,7 @@ class Coarsener {
         }
         flatten_facades(object);
         blur_small_facades(object);
-        if (object.facades.empty() && object.triangles.size() > kDetailed) decimate(object, allowed(object) / 2);
+        if (object.triangles.size() > kDetailed) decimate(object, allowed(object) / 2);
     }
 
     /// Facades whose relief is below what the object may still lose become flat.
@@ -110,12 +113,15 @@ class Coarsener {
 
 CoarseContent coarsen(TileContent children, const CoarsenSpec& spec, const TileWorkshop& workshop) {
     std::vector<BuildObject> ground, things;
-    for (BuildObject& object : children.objects) (object.ground() && object.facades.empty() ? ground : things).push_back(std::move(object));
+    for (BuildObject& object : children.objects)
+        (object.ground() && object.facades.empty() ? ground : things).push_back(std::move(object));
     CoarseContent coarse;
     coarse.content.ground_pictures = std::move(children.ground_pictures);
-    coarsen_ground(ground, coarse.content.ground_pictures, {spec.corner, spec.side, spec.error_metres, spec.triangle_limit / kGroundShare}, workshop.images);
+    coarsen_ground(ground, coarse.content.ground_pictures,
+                   {spec.corner, spec.side, spec.error_metres, spec.triangle_limit / kGroundShare}, workshop.images);
     if (ground.empty()) coarse.content.ground_pictures.clear();
-    const uint64_t ground_triangles = triangle_count(ground), limit = std::max(spec.triangle_limit, 2 * ground_triangles);
+    const uint64_t ground_triangles = triangle_count(ground),
+                   limit = std::max(spec.triangle_limit, 2 * ground_triangles);
     double error = spec.error_metres;
     std::vector<BuildObject> result = Coarsener(spec, workshop, error).run(things);
     for (int i = 0; i < kMostTries && triangle_count(result) + ground_triangles > limit; ++i) {
@@ -125,7 +131,8 @@ CoarseContent coarsen(TileContent children, const CoarsenSpec& spec, const TileW
     for (const BuildObject& object : ground) coarse.error = std::max(coarse.error, object.error);
     for (const BuildObject& object : result) coarse.error = std::max(coarse.error, object.error);
     coarse.content.objects = std::move(ground);
-    coarse.content.objects.insert(coarse.content.objects.end(), std::make_move_iterator(result.begin()), std::make_move_iterator(result.end()));
+    coarse.content.objects.insert(coarse.content.objects.end(), std::make_move_iterator(result.begin()),
+                                  std::make_move_iterator(result.end()));
     return coarse;
 }
 

@@ -9,11 +9,11 @@
 namespace citystream::tiles::layers {
 
 struct CoarsenSpec {
-    GridPoint corner;              ///< absolute minimum corner of the tile
-    int64_t side = 0;              ///< grid units
-    double error_metres = 0;       ///< wanted: what each object gathers stays at or below it
-    double texel_metres = 0;       ///< of the tile's charts: facades that fill few such texels become plain colours
-    uint64_t triangle_limit = 0;   ///< above it the wanted error is raised until the tile fits
+    GridPoint corner;             ///< absolute minimum corner of the tile
+    int64_t side = 0;             ///< grid units
+    double error_metres = 0;      ///< wanted: what each object gathers stays at or below it
+    double texel_metres = 0;      ///< of the tile's charts: facades that fill few such texels become plain colours
+    uint64_t triangle_limit = 0;  ///< above it the wanted error is raised until the tile fits
 };
 
 struct CoarseContent {
@@ -21,8 +21,9 @@ struct CoarseContent {
     float error = 0;  ///< metres, reached: the greatest gathered error of an object
 };
 
-/// Makes flat walls of facades whose relief is below the error, outline blocks of buildings, boxes of crowds of small things, coarser ground.
-/// The error is raised (and told) only when the tile would have more triangles than the limit. Deterministic.
+/// Makes flat walls of facades whose relief is below the error, outline blocks of buildings, boxes of crowds of small
+/// things, coarser ground. The error is raised (and told) only when the tile would have more triangles than the limit.
+/// Deterministic.
 CoarseContent coarsen(TileContent children, const CoarsenSpec& spec, const TileWorkshop& workshop);
 
 }  // namespace citystream::tiles::layers

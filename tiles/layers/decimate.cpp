@@ -40,28 +40,38 @@ struct Wedge {
 struct WedgeMesh {
     Mesh mesh;
     std::vector<Wedge> wedges;  // by vertex of the mesh
-    bool manifold = true;
 };
+
+/// OpenMesh writes to stderr when a face does not fit; that is expected here and dealt with.
+void silence_openmesh() {
+    static const bool done = [] {
+        omerr().disable();
+        return true;
+    }();
+    (void)done;
+}
 
 void build(const BuildObject& object, WedgeMesh& out) {
     const GridPoint origin = object.box().lo;
     std::map<Wedge, Mesh::VertexHandle> known;
+    const auto add_wedge = [&](const Wedge wedge) {
+        const GridPoint& p = object.vertices[wedge.vertex];
+        out.wedges.push_back(wedge);
+        return out.mesh.add_vertex({to_metres(p.x - origin.x), to_metres(p.y - origin.y), to_metres(p.z - origin.z)});
+    };
     for (const BuildTriangle& triangle : object.triangles) {
         std::array<Mesh::VertexHandle, 3> corners;
         for (size_t k = 0; k < 3; ++k) {
             const Wedge wedge{triangle.vertex[k], triangle.paint, triangle.texcoord[k]};
             const auto [found, is_new] = known.try_emplace(wedge);
-            if (is_new) {
-                const GridPoint& p = object.vertices[wedge.vertex];
-                found->second = out.mesh.add_vertex({to_metres(p.x - origin.x), to_metres(p.y - origin.y), to_metres(p.z - origin.z)});
-                out.wedges.push_back(wedge);
-            }
+            if (is_new) found->second = add_wedge(wedge);
             corners[k] = found->second;
         }
-        if (!out.mesh.add_face(corners[0], corners[1], corners[2]).is_valid()) {
-            out.manifold = false;
-            return;
-        }
+        if (out.mesh.add_face(corners[0], corners[1], corners[2]).is_valid()) continue;
+        // Three faces at one edge, or two fans at one vertex: this face stands alone, and as a border it stays as it
+        // is.
+        for (size_t k = 0; k < 3; ++k) corners[k] = add_wedge(out.wedges[static_cast<size_t>(corners[k].idx())]);
+        out.mesh.add_face(corners[0], corners[1], corners[2]);
     }
 }
 
@@ -97,11 +107,16 @@ void take_back(const WedgeMesh& simplified, BuildObject& object) {
 
 constexpr double kLeastNormalCosine = 0.5;  // a collapse turns no triangle by more than 60 degrees
 
-/// Half-edge collapses in the order of their quadric error. Every removed point stays attached to the face that is nearest to it,
-/// and no collapse may leave one farther than the limit from the surface: that is the distance reported.
+/// Half-edge collapses in the order of their quadric error. Every removed point stays attached to the face that is
+/// nearest to it, and no collapse may leave one farther than the limit from the surface: that is the distance reported.
 class Collapser {
   public:
-    Collapser(Mesh& mesh, double limit) : mesh_(mesh), limit_(limit), quadrics_(mesh.n_vertices()), versions_(mesh.n_vertices()), points_(mesh.n_faces()) {
+    Collapser(Mesh& mesh, double limit)
+        : mesh_(mesh),
+          limit_(limit),
+          quadrics_(mesh.n_vertices()),
+          versions_(mesh.n_vertices()),
+          points_(mesh.n_faces()) {
         for (const auto face : mesh_.faces()) add_face_quadric(face);
         for (const auto vertex : mesh_.vertices()) push(vertex);
     }
@@ -134,7 +149,8 @@ class Collapser {
     Triangle3 triangle(Mesh::FaceHandle face, Mesh::VertexHandle moved, Mesh::VertexHandle to) const {
         Triangle3 out{};
         size_t k = 0;
-        for (const auto vertex : mesh_.fv_range(face)) out[k++] = point(vertex == moved ? to : Mesh::VertexHandle(vertex));
+        for (const auto vertex : mesh_.fv_range(face))
+            out[k++] = point(vertex == moved ? to : Mesh::VertexHandle(vertex));
         return out;
     }
 
@@ -218,7 +234,8 @@ class Collapser {
         quadrics_[static_cast<size_t>(to.idx())] += quadrics_[static_cast<size_t>(from.idx())];
         mesh_.collapse(halfedge);
         for (const auto face : kept) points_[static_cast<size_t>(face.idx())].clear();
-        for (size_t i = 0; i < points.size(); ++i) points_[static_cast<size_t>(kept[nearest[i]].idx())].push_back(points[i]);
+        for (size_t i = 0; i < points.size(); ++i)
+            points_[static_cast<size_t>(kept[nearest[i]].idx())].push_back(points[i]);
         for (const auto neighbour : ring) push(neighbour);
         return std::sqrt(worst);
     }
@@ -234,9 +251,10 @@ class Collapser {
 }  // namespace
 
 void decimate(BuildObject& object, double allowed) {
+    if (allowed <= 0) return;
+    silence_openmesh();
     WedgeMesh simplified;
     build(object, simplified);
-    if (!simplified.manifold || allowed <= 0) return;
     Mesh& mesh = simplified.mesh;
     for (const auto vertex : mesh.vertices()) {
         if (mesh.is_boundary(vertex)) mesh.status(vertex).set_locked(true);

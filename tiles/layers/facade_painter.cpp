@@ -35,7 +35,8 @@ struct SlotSampler {
     }
 };
 
-SlotSampler make_sampler(const city::CityCatalog& catalog, ImageCache& images, uint32_t material, double sample_metres) {
+SlotSampler make_sampler(const city::CityCatalog& catalog, ImageCache& images, uint32_t material,
+                         double sample_metres) {
     SlotSampler sampler;
     const city::Material& m = catalog.materials[material];
     const auto mean = images.mean_colour(material);
@@ -65,7 +66,8 @@ std::vector<uint32_t> cells_of_samples(uint32_t samples, uint32_t size, uint32_t
 }
 
 uint32_t texels_for(double metres, double texel) {
-    return static_cast<uint32_t>(std::clamp(std::ceil(metres / texel - 1e-9), 1.0, static_cast<double>(kGreatestPicture)));
+    return static_cast<uint32_t>(
+        std::clamp(std::ceil(metres / texel - 1e-9), 1.0, static_cast<double>(kGreatestPicture)));
 }
 
 }  // namespace
@@ -86,7 +88,8 @@ const FacadeFacts& FacadePainter::facts(uint32_t map) {
         facts.depth_max_mm = static_cast<int16_t>(view->depth_max_mm());
         facts.depth_metres = std::max(std::abs(view->depth_min_mm()), std::abs(view->depth_max_mm())) * 0.001;
         for (uint32_t row = 0; row < view->rows(); ++row) {
-            for (uint32_t column = 0; column < view->columns(); ++column) facts.slots |= 1U << ((view->label(column, row) >> 16) & 15U);
+            for (uint32_t column = 0; column < view->columns(); ++column)
+                facts.slots |= 1U << ((view->label(column, row) >> 16) & 15U);
         }
     }
     const std::lock_guard lock(mutex_);
@@ -99,15 +102,20 @@ ChartImage FacadePainter::picture(uint32_t map, uint32_t palette, double texel) 
     ChartImage out;
     out.width = texels_for(known.width_metres, texel);
     out.height = texels_for(known.height_metres, texel);
-    out.metres_per_texel = static_cast<float>(std::max(known.width_metres / out.width, known.height_metres / out.height));
+    out.metres_per_texel =
+        static_cast<float>(std::max(known.width_metres / out.width, known.height_metres / out.height));
     out.rgb.resize(size_t{3} * out.width * out.height);
     std::array<SlotSampler, FACADE_PALETTE_SLOTS> slots;
     for (uint32_t slot = 0; slot < slots.size(); ++slot) {
-        if ((known.slots >> slot) & 1U) slots[slot] = make_sampler(catalog_, images_, catalog_.palettes[palette].material[slot], texel / kSamples);
+        if ((known.slots >> slot) & 1U)
+            slots[slot] = make_sampler(catalog_, images_, catalog_.palettes[palette].material[slot], texel / kSamples);
     }
-    const auto columns = cells_of_samples(out.width * kSamples, view->width(), view->columns(), [&](uint32_t i) { return view->x_break(i); });
-    const auto rows = cells_of_samples(out.height * kSamples, view->height(), view->rows(), [&](uint32_t i) { return view->y_break(i); });
-    const double step_x = known.width_metres / (out.width * kSamples), step_y = known.height_metres / (out.height * kSamples);
+    const auto columns = cells_of_samples(out.width * kSamples, view->width(), view->columns(),
+                                          [&](uint32_t i) { return view->x_break(i); });
+    const auto rows = cells_of_samples(out.height * kSamples, view->height(), view->rows(),
+                                       [&](uint32_t i) { return view->y_break(i); });
+    const double step_x = known.width_metres / (out.width * kSamples),
+                 step_y = known.height_metres / (out.height * kSamples);
     for (uint32_t y = 0; y < out.height; ++y) {
         for (uint32_t x = 0; x < out.width; ++x) {
             std::array<float, 3> sum{};
@@ -118,7 +126,8 @@ ChartImage FacadePainter::picture(uint32_t map, uint32_t palette, double texel) 
                 for (size_t c = 0; c < 3; ++c) sum[c] += rgb[c];
             }
             for (size_t c = 0; c < 3; ++c) {
-                out.rgb[3 * (size_t{y} * out.width + x) + c] = linear_to_srgb(sum[c] / static_cast<float>(kSamples * kSamples));
+                out.rgb[3 * (size_t{y} * out.width + x) + c] =
+                    linear_to_srgb(sum[c] / static_cast<float>(kSamples * kSamples));
             }
         }
     }

@@ -14,8 +14,8 @@ struct FacadeFacts {
     double width_metres = 0, height_metres = 0;  ///< of the map itself
     double depth_metres = 0;                     ///< greatest |displacement|
     int16_t depth_min_mm = 0, depth_max_mm = 0;
-    uint32_t slots = 0;                          ///< bit s: material slot s is used
-    bool valid = false;                          ///< false: the words are no facade map
+    uint32_t slots = 0;  ///< bit s: material slot s is used
+    bool valid = false;  ///< false: the words are no facade map
 };
 
 class FacadePainter {
@@ -23,7 +23,8 @@ class FacadePainter {
     FacadePainter(const city::CityCatalog& catalog, ImageCache& images) : catalog_(catalog), images_(images) {}
 
     const FacadeFacts& facts(uint32_t map);
-    /// The picture at about `texel` metres a texel (four samples a texel, averaged in linear light), clamped, metres_per_texel set.
+    /// The picture at about `texel` metres a texel (four samples a texel, averaged in linear light), clamped,
+    /// metres_per_texel set.
     ChartImage picture(uint32_t map, uint32_t palette, double texel);
     std::array<uint8_t, 3> mean_colour(uint32_t map, uint32_t palette);
 

@@ -46,7 +46,10 @@ Result<uint32_t> GlbFile::add_floats(std::span<const float> values, uint32_t com
     static constexpr std::array<const char*, 5> kTypes = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
     auto view = add_view(std::as_bytes(values), target);
     if (!view) return view;
-    nlohmann::json accessor = {{"bufferView", *view}, {"componentType", kFloat}, {"count", values.size() / components}, {"type", kTypes[components]}};
+    nlohmann::json accessor = {{"bufferView", *view},
+                               {"componentType", kFloat},
+                               {"count", values.size() / components},
+                               {"type", kTypes[components]}};
     if (bounds && !values.empty()) {
         std::vector<float> low(values.begin(), values.begin() + components), high = low;
         for (size_t i = 0; i < values.size(); ++i) {
@@ -62,13 +65,15 @@ Result<uint32_t> GlbFile::add_floats(std::span<const float> values, uint32_t com
 Result<uint32_t> GlbFile::add_indices(std::span<const uint32_t> values) {
     auto view = add_view(std::as_bytes(values), kIndexTarget);
     if (!view) return view;
-    return add("accessors", {{"bufferView", *view}, {"componentType", kUnsignedInt}, {"count", values.size()}, {"type", "SCALAR"}});
+    return add("accessors",
+               {{"bufferView", *view}, {"componentType", kUnsignedInt}, {"count", values.size()}, {"type", "SCALAR"}});
 }
 
 Status GlbFile::finish() {
     const std::string temporary = path_ + ".part";
     Status status = write(temporary);
-    if (status && std::rename(temporary.c_str(), path_.c_str()) != 0) status = Error{"cannot rename " + temporary + ": " + std::strerror(errno)};
+    if (status && std::rename(temporary.c_str(), path_.c_str()) != 0)
+        status = Error{"cannot rename " + temporary + ": " + std::strerror(errno)};
     if (!status) std::remove(temporary.c_str());
     return status;
 }
@@ -78,20 +83,26 @@ Status GlbFile::write(const std::string& temporary) {
     std::string text = json_.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     text.resize((text.size() + 3) / 4 * 4, ' ');
     const uint64_t total = 12 + 8 + text.size() + 8 + binary_->size();
-    if (total > UINT32_MAX) return Error{"the reference would take " + std::to_string(total >> 20) + " MiB, more than the 4 GiB that a .glb can hold"};
+    if (total > UINT32_MAX)
+        return Error{"the reference would take " + std::to_string(total >> 20) +
+                     " MiB, more than the 4 GiB that a .glb can hold"};
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(temporary.c_str(), "wb"), std::fclose);
     if (!file) return Error{"cannot create " + temporary + ": " + std::strerror(errno)};
-    const std::array<uint32_t, 5> head = {kMagic, kVersion, static_cast<uint32_t>(total), static_cast<uint32_t>(text.size()), kJsonChunk};
+    const std::array<uint32_t, 5> head = {kMagic, kVersion, static_cast<uint32_t>(total),
+                                          static_cast<uint32_t>(text.size()), kJsonChunk};
     const std::array<uint32_t, 2> middle = {static_cast<uint32_t>(binary_->size()), kBinaryChunk};
-    bool good = std::fwrite(head.data(), sizeof(head), 1, file.get()) == 1 && std::fwrite(text.data(), text.size(), 1, file.get()) == 1 &&
+    bool good = std::fwrite(head.data(), sizeof(head), 1, file.get()) == 1 &&
+                std::fwrite(text.data(), text.size(), 1, file.get()) == 1 &&
                 std::fwrite(middle.data(), sizeof(middle), 1, file.get()) == 1;
     std::vector<std::byte> scratch;
     for (uint64_t at = 0; good && at < binary_->size(); at += kCopyBytes) {
         scratch.clear();
-        if (Status status = binary_->read({at, std::min(kCopyBytes, binary_->size() - at)}, scratch); !status) return status;
+        if (Status status = binary_->read({at, std::min(kCopyBytes, binary_->size() - at)}, scratch); !status)
+            return status;
         good = std::fwrite(scratch.data(), scratch.size(), 1, file.get()) == 1;
     }
-    if (!good || std::fflush(file.get()) != 0 || fsync(fileno(file.get())) != 0) return Error{"cannot write " + temporary + ": " + std::strerror(errno)};
+    if (!good || std::fflush(file.get()) != 0 || fsync(fileno(file.get())) != 0)
+        return Error{"cannot write " + temporary + ": " + std::strerror(errno)};
     return Done{};
 }
 

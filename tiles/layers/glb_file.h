@@ -1,4 +1,5 @@
-// A binary glTF file in the making: buffers go to a spool as they come, the JSON grows in memory, both are joined at the end.
+// A binary glTF file in the making: buffers go to a spool as they come, the JSON grows in memory, both are joined at
+// the end.
 #pragma once
 
 #include <array>
@@ -32,7 +33,8 @@ class GlbFile {
     Status finish();
 
   private:
-    GlbFile(std::string path, std::unique_ptr<quadtree::SpoolFile> binary) : path_(std::move(path)), binary_(std::move(binary)) {}
+    GlbFile(std::string path, std::unique_ptr<quadtree::SpoolFile> binary)
+        : path_(std::move(path)), binary_(std::move(binary)) {}
     Status write(const std::string& temporary);
 
     std::string path_;

@@ -29,7 +29,8 @@ BuildObject join(const std::vector<BuildObject>& parts) {
         for (BuildTriangle triangle : part.triangles) {
             for (uint32_t& vertex : triangle.vertex) {
                 const GridPoint& p = part.vertices[vertex];
-                const auto [found, is_new] = known.try_emplace({p.x, p.y, p.z}, static_cast<uint32_t>(whole.vertices.size()));
+                const auto [found, is_new] =
+                    known.try_emplace({p.x, p.y, p.z}, static_cast<uint32_t>(whole.vertices.size()));
                 if (is_new) whole.vertices.push_back(p);
                 vertex = found->second;
             }
@@ -56,14 +57,16 @@ void for_each_sample(const Lattice& lattice, const std::array<std::array<double,
     if (area <= 0) return;
     const auto range = [](double a, double b, double c, double start, double step, int64_t count) {
         const auto [low, high] = std::minmax({a, b, c});
-        return std::array<int64_t, 2>{std::max<int64_t>(0, std::llround(std::ceil((low - start) / step - 1e-9))),
-                                      std::min<int64_t>(count - 1, std::llround(std::floor((high - start) / step + 1e-9)))};
+        return std::array<int64_t, 2>{
+            std::max<int64_t>(0, std::llround(std::ceil((low - start) / step - 1e-9))),
+            std::min<int64_t>(count - 1, std::llround(std::floor((high - start) / step + 1e-9)))};
     };
     const auto xs = range(p[0][0], p[1][0], p[2][0], lattice.x0, lattice.step_x, lattice.columns);
     const auto ys = range(p[0][1], p[1][1], p[2][1], lattice.y0, lattice.step_y, lattice.rows);
     for (int64_t row = ys[0]; row <= ys[1]; ++row) {
         for (int64_t column = xs[0]; column <= xs[1]; ++column) {
-            const double x = lattice.x0 + static_cast<double>(column) * lattice.step_x, y = lattice.y0 + static_cast<double>(row) * lattice.step_y;
+            const double x = lattice.x0 + static_cast<double>(column) * lattice.step_x,
+                         y = lattice.y0 + static_cast<double>(row) * lattice.step_y;
             std::array<double, 3> w{};
             bool inside = true;
             for (size_t k = 0; k < 3; ++k) {
@@ -134,14 +137,17 @@ class GroundPicture {
 
     int64_t height(const BuildTriangle& triangle, const std::array<double, 3>& w) const {
         double z = 0;
-        for (size_t k = 0; k < 3; ++k) z += w[k] * static_cast<double>(ground_.vertices[triangle.vertex[k]].z - box_.lo.z);
+        for (size_t k = 0; k < 3; ++k)
+            z += w[k] * static_cast<double>(ground_.vertices[triangle.vertex[k]].z - box_.lo.z);
         return box_.lo.z + std::llround(z);
     }
 
-    void draw(const BuildTriangle& triangle, const Lattice& lattice, std::vector<int64_t>& heights, ChartImage& picture) const {
+    void draw(const BuildTriangle& triangle, const Lattice& lattice, std::vector<int64_t>& heights,
+              ChartImage& picture) const {
         const Paint& paint = ground_.paints[triangle.paint];
         const bool sampled = paint.kind == PaintKind::kGroundPicture && paint.a < pictures_.size();
-        const std::array<uint8_t, 3> flat = paint.kind == PaintKind::kMaterial ? images_.mean_colour(paint.a) : paint.rgb();
+        const std::array<uint8_t, 3> flat =
+            paint.kind == PaintKind::kMaterial ? images_.mean_colour(paint.a) : paint.rgb();
         for_each_sample(lattice, corners(triangle), [&](size_t at, const std::array<double, 3>& w) {
             const int64_t z = height(triangle, w);
             if (z < heights[at]) return;
@@ -151,12 +157,14 @@ class GroundPicture {
         });
     }
 
-    static std::array<uint8_t, 3> sample(const ChartImage& image, const BuildTriangle& triangle, const std::array<double, 3>& w) {
+    static std::array<uint8_t, 3> sample(const ChartImage& image, const BuildTriangle& triangle,
+                                         const std::array<double, 3>& w) {
         std::array<size_t, 2> texel{};
         const std::array<uint32_t, 2> size = {image.width, image.height};
         for (size_t axis = 0; axis < 2; ++axis) {
             double t = 0;
-            for (size_t k = 0; k < 3; ++k) t += w[k] * static_cast<double>(triangle.texcoord[k][axis]) / quadtree::kTexcoordUnits;
+            for (size_t k = 0; k < 3; ++k)
+                t += w[k] * static_cast<double>(triangle.texcoord[k][axis]) / quadtree::kTexcoordUnits;
             texel[axis] = static_cast<size_t>(std::clamp(std::floor(t * size[axis]), 0.0, size[axis] - 1.0));
         }
         const uint8_t* rgb = image.rgb.data() + 3 * (texel[1] * image.width + texel[0]);
@@ -178,7 +186,8 @@ class GroundPicture {
         }
     }
 
-    /// Points without ground beside points with ground take their neighbour's height, so that the edge is not eaten away.
+    /// Points without ground beside points with ground take their neighbour's height, so that the edge is not eaten
+    /// away.
     static void fill_neighbours(const Lattice& lattice, std::vector<int64_t>& heights) {
         const std::vector<int64_t> before = heights;
         for (int64_t row = 0; row < lattice.rows; ++row) {
@@ -187,7 +196,8 @@ class GroundPicture {
                 for (int64_t dy = -1; dy <= 1 && here == kNoHeight; ++dy) {
                     for (int64_t dx = -1; dx <= 1 && here == kNoHeight; ++dx) {
                         const int64_t x = column + dx, y = row + dy;
-                        if (x >= 0 && y >= 0 && x < lattice.columns && y < lattice.rows) here = before[static_cast<size_t>(y * lattice.columns + x)];
+                        if (x >= 0 && y >= 0 && x < lattice.columns && y < lattice.rows)
+                            here = before[static_cast<size_t>(y * lattice.columns + x)];
                     }
                 }
             }
@@ -197,15 +207,20 @@ class GroundPicture {
     double height_error(const Lattice& lattice, const std::vector<int64_t>& heights) const {
         double worst = 0;
         for (const GridPoint& p : ground_.vertices) {
-            const double x = static_cast<double>(p.x - box_.lo.x) / lattice.step_x, y = static_cast<double>(p.y - box_.lo.y) / lattice.step_y;
+            const double x = static_cast<double>(p.x - box_.lo.x) / lattice.step_x,
+                         y = static_cast<double>(p.y - box_.lo.y) / lattice.step_y;
             const int64_t column = std::clamp<int64_t>(static_cast<int64_t>(x), 0, lattice.columns - 2);
             const int64_t row = std::clamp<int64_t>(static_cast<int64_t>(y), 0, lattice.rows - 2);
-            const auto at = [&](int64_t dx, int64_t dy) { return heights[static_cast<size_t>((row + dy) * lattice.columns + column + dx)]; };
-            if (at(0, 0) == kNoHeight || at(1, 0) == kNoHeight || at(0, 1) == kNoHeight || at(1, 1) == kNoHeight) continue;
+            const auto at = [&](int64_t dx, int64_t dy) {
+                return heights[static_cast<size_t>((row + dy) * lattice.columns + column + dx)];
+            };
+            if (at(0, 0) == kNoHeight || at(1, 0) == kNoHeight || at(0, 1) == kNoHeight || at(1, 1) == kNoHeight)
+                continue;
             const double s = x - static_cast<double>(column), t = y - static_cast<double>(row);
             const auto z = [&](int64_t dx, int64_t dy) { return static_cast<double>(at(dx, dy) - p.z); };
             // The quad's diagonal runs from its lower left to its upper right corner, as in mesh().
-            const double difference = s >= t ? z(0, 0) * (1 - s) + z(1, 0) * (s - t) + z(1, 1) * t : z(0, 0) * (1 - t) + z(0, 1) * (t - s) + z(1, 1) * s;
+            const double difference = s >= t ? z(0, 0) * (1 - s) + z(1, 0) * (s - t) + z(1, 1) * t
+                                             : z(0, 0) * (1 - t) + z(0, 1) * (t - s) + z(1, 1) * s;
             worst = std::max(worst, std::abs(difference));
         }
         return worst * kMetresPerGridUnit;
@@ -215,12 +230,15 @@ class GroundPicture {
         BuildObject out;
         out.kind = city::ObjectKind::kTerrain;
         out.paints = {Paint{PaintKind::kGroundPicture, 0, 0}};
-        const auto index = [&](int64_t column, int64_t row) { return static_cast<size_t>(row * lattice.columns + column); };
+        const auto index = [&](int64_t column, int64_t row) {
+            return static_cast<size_t>(row * lattice.columns + column);
+        };
         for (int64_t row = 0; row < lattice.rows; ++row) {
             for (int64_t column = 0; column < lattice.columns; ++column) {
                 const int64_t z = heights[index(column, row)];
                 out.vertices.push_back({box_.lo.x + std::llround(static_cast<double>(column) * lattice.step_x),
-                                        box_.lo.y + std::llround(static_cast<double>(row) * lattice.step_y), z == kNoHeight ? box_.lo.z : z});
+                                        box_.lo.y + std::llround(static_cast<double>(row) * lattice.step_y),
+                                        z == kNoHeight ? box_.lo.z : z});
             }
         }
         const auto add = [&](const std::array<std::array<int64_t, 2>, 3>& at) {
@@ -228,7 +246,8 @@ class GroundPicture {
             for (size_t k = 0; k < 3; ++k) {
                 triangle.vertex[k] = static_cast<uint32_t>(index(at[k][0], at[k][1]));
                 if (heights[triangle.vertex[k]] == kNoHeight) return;
-                triangle.texcoord[k] = {at[k][0] * 65536 / (lattice.columns - 1), at[k][1] * 65536 / (lattice.rows - 1)};
+                triangle.texcoord[k] = {at[k][0] * 65536 / (lattice.columns - 1),
+                                        at[k][1] * 65536 / (lattice.rows - 1)};
             }
             out.triangles.push_back(triangle);
         };
@@ -248,10 +267,12 @@ class GroundPicture {
 };
 
 bool shows_picture(const BuildObject& ground) {
-    return std::any_of(ground.paints.begin(), ground.paints.end(), [](const Paint& paint) { return paint.kind == PaintKind::kGroundPicture; });
+    return std::any_of(ground.paints.begin(), ground.paints.end(),
+                       [](const Paint& paint) { return paint.kind == PaintKind::kGroundPicture; });
 }
 
-BuildObject as_picture(const BuildObject& ground, std::vector<ChartImage>& pictures, double allowed, ImageCache& images) {
+BuildObject as_picture(const BuildObject& ground, std::vector<ChartImage>& pictures, double allowed,
+                       ImageCache& images) {
     const GroundPicture maker(ground, pictures, images);
     BuildObject best;
     double best_error = 0;
@@ -271,7 +292,8 @@ BuildObject as_picture(const BuildObject& ground, std::vector<ChartImage>& pictu
 
 }  // namespace
 
-void coarsen_ground(std::vector<BuildObject>& ground, std::vector<ChartImage>& pictures, const GroundSpec& spec, ImageCache& images) {
+void coarsen_ground(std::vector<BuildObject>& ground, std::vector<ChartImage>& pictures, const GroundSpec& spec,
+                    ImageCache& images) {
     if (ground.empty()) return;
     BuildObject whole = join(ground);
     const double allowed = spec.error_metres - static_cast<double>(whole.error);

@@ -15,7 +15,9 @@ struct GroundSpec {
     uint64_t triangle_limit = 0;  ///< beyond it the ground becomes a height grid with a picture of itself
 };
 
-/// Replaces the ground objects by coarser ones. `pictures`: of the children, that paints of kind kGroundPicture show; replaced by those of the result.
-void coarsen_ground(std::vector<quadtree::BuildObject>& ground, std::vector<ChartImage>& pictures, const GroundSpec& spec, ImageCache& images);
+/// Replaces the ground objects by coarser ones. `pictures`: of the children, that paints of kind kGroundPicture show;
+/// replaced by those of the result.
+void coarsen_ground(std::vector<quadtree::BuildObject>& ground, std::vector<ChartImage>& pictures,
+                    const GroundSpec& spec, ImageCache& images);
 
 }  // namespace citystream::tiles::layers

@@ -14,7 +14,8 @@ bool is_floor(const quadtree::BuildObject& object, const quadtree::BuildTriangle
     const auto n = quadtree::triangle_normal(object.vertices[triangle.vertex[0]], object.vertices[triangle.vertex[1]],
                                              object.vertices[triangle.vertex[2]]);
     if (n[2] > kDownward * std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])) return false;
-    return marked || std::all_of(triangle.vertex.begin(), triangle.vertex.end(), [&](uint32_t v) { return object.vertices[v].z == bottom; });
+    return marked || std::all_of(triangle.vertex.begin(), triangle.vertex.end(),
+                                 [&](uint32_t v) { return object.vertices[v].z == bottom; });
 }
 
 }  // namespace

@@ -5,8 +5,8 @@
 
 namespace citystream::tiles::layers {
 
-/// Drops the floors of a building: downward triangles of ground surfaces, and downward triangles of unknown surfaces that lie flat at its bottom.
-/// Leaves the object alone when nothing else would remain.
+/// Drops the floors of a building: downward triangles of ground surfaces, and downward triangles of unknown surfaces
+/// that lie flat at its bottom. Leaves the object alone when nothing else would remain.
 void drop_hidden_faces(quadtree::BuildObject& object);
 
 }  // namespace citystream::tiles::layers

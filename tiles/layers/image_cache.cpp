@@ -59,7 +59,8 @@ std::array<uint8_t, 3> mean_of(const ChartImage& image) {
         for (size_t c = 0; c < 3; ++c) sum[c] += static_cast<double>(srgb_to_linear(image.rgb[3 * i + c]));
     }
     std::array<uint8_t, 3> mean{};
-    for (size_t c = 0; c < 3; ++c) mean[c] = linear_to_srgb(static_cast<float>(sum[c] / static_cast<double>(std::max<size_t>(texels, 1))));
+    for (size_t c = 0; c < 3; ++c)
+        mean[c] = linear_to_srgb(static_cast<float>(sum[c] / static_cast<double>(std::max<size_t>(texels, 1))));
     return mean;
 }
 
@@ -67,14 +68,18 @@ Result<ChartImage> decode_image(const std::string& path) {
     auto input = OIIO::ImageInput::open(path);
     if (!input) return Error{"cannot read image " + path + ": " + OIIO::geterror()};
     const OIIO::ImageSpec spec = input->spec();
-    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || int64_t{spec.width} * spec.height > kGreatestPixels || spec.nchannels > 16) {
-        return Error{"cannot use image " + path + ": size " + std::to_string(spec.width) + " x " + std::to_string(spec.height)};
+    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 ||
+        int64_t{spec.width} * spec.height > kGreatestPixels || spec.nchannels > 16) {
+        return Error{"cannot use image " + path + ": size " + std::to_string(spec.width) + " x " +
+                     std::to_string(spec.height)};
     }
-    std::vector<uint8_t> raw(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) * static_cast<size_t>(spec.nchannels));
+    std::vector<uint8_t> raw(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) *
+                             static_cast<size_t>(spec.nchannels));
     if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, raw.data())) {
         return Error{"cannot decode image " + path + ": " + input->geterror()};
     }
-    return to_rgb(raw, static_cast<uint32_t>(spec.width), static_cast<uint32_t>(spec.height), static_cast<uint32_t>(spec.nchannels));
+    return to_rgb(raw, static_cast<uint32_t>(spec.width), static_cast<uint32_t>(spec.height),
+                  static_cast<uint32_t>(spec.nchannels));
 }
 
 std::shared_ptr<const ChartImage> ImageCache::find(uint64_t key) {
@@ -161,7 +166,8 @@ std::array<uint8_t, 3> ImageCache::mean_colour(uint32_t material) {
 
 std::vector<city::Defect> ImageCache::take_defects() {
     const std::lock_guard lock(mutex_);
-    std::sort(defects_.begin(), defects_.end(), [](const city::Defect& a, const city::Defect& b) { return a.what < b.what; });
+    std::sort(defects_.begin(), defects_.end(),
+              [](const city::Defect& a, const city::Defect& b) { return a.what < b.what; });
     return std::move(defects_);
 }
 

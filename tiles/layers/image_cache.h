@@ -18,14 +18,16 @@ namespace citystream::tiles::layers {
 
 using codec::atlas::ChartImage;
 
-/// Decodes any file OpenImageIO reads (8/16 bit, palette, grey, CMYK, alpha dropped) to RGB8, row 0 at the bottom. At most 2^28 pixels.
+/// Decodes any file OpenImageIO reads (8/16 bit, palette, grey, CMYK, alpha dropped) to RGB8, row 0 at the bottom. At
+/// most 2^28 pixels.
 Result<ChartImage> decode_image(const std::string& path);
 
 class ImageCache {
   public:
     ImageCache(const city::CityCatalog& catalog, size_t budget_bytes) : catalog_(catalog), budget_(budget_bytes) {}
 
-    /// Mip `level` (0 = as it is) of an image, or nothing when it cannot be read (the defect is kept for take_defects, once an image).
+    /// Mip `level` (0 = as it is) of an image, or nothing when it cannot be read (the defect is kept for take_defects,
+    /// once an image).
     std::shared_ptr<const ChartImage> mip(uint32_t image, uint32_t level);
 
     /// Mean colour of a material, averaged in linear light; its flat colour when it has no readable image.
@@ -44,10 +46,10 @@ class ImageCache {
 
     const city::CityCatalog& catalog_;
     size_t budget_, used_ = 0;
-    std::mutex mutex_;                        // guards everything below
-    std::array<std::mutex, 16> decode_mutex_; // one image is decoded by one thread
+    std::mutex mutex_;                         // guards everything below
+    std::array<std::mutex, 16> decode_mutex_;  // one image is decoded by one thread
     std::map<uint64_t, Entry> entries_;
-    std::list<uint64_t> uses_;                // most recent first
+    std::list<uint64_t> uses_;  // most recent first
     std::map<uint32_t, bool> failed_;
     std::map<uint32_t, std::array<uint8_t, 3>> means_;
     std::vector<city::Defect> defects_;

@@ -43,7 +43,8 @@ class Verifier {
         manifest_ = *manifest;
         check_dictionary();
         check_subtrees();
-        if (tiles_ != manifest_.tiles) say(tileset::kTilesetPath, fmt::format("lists {} tiles, the subtrees hold {}", manifest_.tiles, tiles_));
+        if (tiles_ != manifest_.tiles)
+            say(tileset::kTilesetPath, fmt::format("lists {} tiles, the subtrees hold {}", manifest_.tiles, tiles_));
         return damages_;
     }
 
@@ -58,14 +59,17 @@ class Verifier {
         uint64_t begin = 0;
         for (size_t i = 0; i < maps->size(); ++i) {
             const tileset::FacadeMapRecord& record = (*maps)[i];
-            if (record.end < begin || record.end > bytes.size()) return say(tileset::kFacadeMapsPath, fmt::format("map {} lies outside the entry", i));
-            if (auto error = check_map(bytes.subspan(begin, record.end - begin), record)) say(tileset::kFacadeMapsPath, fmt::format("map {}: {}", i, *error));
+            if (record.end < begin || record.end > bytes.size())
+                return say(tileset::kFacadeMapsPath, fmt::format("map {} lies outside the entry", i));
+            if (auto error = check_map(bytes.subspan(begin, record.end - begin), record))
+                say(tileset::kFacadeMapsPath, fmt::format("map {}: {}", i, *error));
             begin = record.end;
         }
         if (begin != bytes.size()) say(tileset::kFacadeMapsPath, "bytes follow the last map");
     }
 
-    static std::optional<std::string> check_map(std::span<const std::byte> frame, const tileset::FacadeMapRecord& record) {
+    static std::optional<std::string> check_map(std::span<const std::byte> frame,
+                                                const tileset::FacadeMapRecord& record) {
         if (tileset::checksum_of(frame.data(), frame.size()) != record.checksum) return "checksum differs";
         const auto raw = codec::bits::decompress_frame(frame, record.decoded_bytes);
         if (!raw) return raw.error().text();
@@ -109,7 +113,8 @@ class Verifier {
             if (!view) say(tileset::layer_path(Layer::kMesh, tile.address), view.error().text());
         }
         if (const auto facade = decode(tile, Layer::kFacade)) {
-            const auto view = codec::facade::decode_facades(facade->words, static_cast<uint32_t>(manifest_.facade_map_count), charts);
+            const auto view =
+                codec::facade::decode_facades(facade->words, static_cast<uint32_t>(manifest_.facade_map_count), charts);
             if (!view) say(tileset::layer_path(Layer::kFacade, tile.address), view.error().text());
         }
     }
@@ -123,9 +128,11 @@ class Verifier {
         uint64_t begin = 0;
         for (size_t i = 0; i < steps.size(); ++i) {
             const tileset::StepRecord& step = steps[i];
-            if (step.end < begin || step.end > bytes.size()) return fail(path, fmt::format("step {} lies outside the entry", i));
+            if (step.end < begin || step.end > bytes.size())
+                return fail(path, fmt::format("step {} lies outside the entry", i));
             const auto frame = bytes.subspan(begin, step.end - begin);
-            if (tileset::checksum_of(frame.data(), frame.size()) != step.checksum) return fail(path, fmt::format("step {}: checksum differs", i));
+            if (tileset::checksum_of(frame.data(), frame.size()) != step.checksum)
+                return fail(path, fmt::format("step {}: checksum differs", i));
             const auto raw = codec::bits::decompress_frame(frame, step.decoded_bytes);
             if (!raw) return fail(path, fmt::format("step {}: {}", i, raw.error().text()));
             const auto words = words_of(*raw);
@@ -156,7 +163,8 @@ nlohmann::json manifest_json(const tileset::Manifest& m) {
     nlohmann::json out;
     out["title"] = m.title;
     out["epsg"] = m.epsg;
-    out["extent"] = {m.extent.min[0] + x, m.extent.min[1] + y, m.extent.min[2], m.extent.max[0] + x, m.extent.max[1] + y, m.extent.max[2]};
+    out["extent"] = {m.extent.min[0] + x, m.extent.min[1] + y, m.extent.min[2],
+                     m.extent.max[0] + x, m.extent.max[1] + y, m.extent.max[2]};
     out["buildings"] = m.buildings;
     out["triangles"] = m.triangles;
     out["facades"] = m.facades;
@@ -167,7 +175,8 @@ nlohmann::json manifest_json(const tileset::Manifest& m) {
     out["build_options"] = m.build_options;
     for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
         if (!m.has_layer[layer]) continue;
-        out["layers"][tileset::kLayerNames[layer]] = {{"wire_bytes", m.wire_bytes[layer]}, {"decoded_bytes", m.decoded_bytes[layer]}};
+        out["layers"][tileset::kLayerNames[layer]] = {{"wire_bytes", m.wire_bytes[layer]},
+                                                      {"decoded_bytes", m.decoded_bytes[layer]}};
     }
     return out;
 }
@@ -183,7 +192,8 @@ Result<nlohmann::json> read_city_info(const std::string& path) {
     return out;
 }
 
-Result<std::vector<std::string>> verify_city(const std::string& path, const std::function<void(uint64_t, uint64_t)>& progress) {
+Result<std::vector<std::string>> verify_city(const std::string& path,
+                                             const std::function<void(uint64_t, uint64_t)>& progress) {
     auto reader = archive::ArchiveReader::open(path);
     if (!reader) return reader.error();
     return Verifier(std::move(reader).value(), progress).run();

@@ -12,14 +12,17 @@
 
 namespace citystream::tiles::layers {
 
-/// The fields of `info`: extent ([xmin,ymin,zmin,xmax,ymax,zmax] in the CRS), epsg, buildings, triangles, tiles, levels, layers.NAME.wire_bytes and .decoded_bytes, ...
+/// The fields of `info`: extent ([xmin,ymin,zmin,xmax,ymax,zmax] in the CRS), epsg, buildings, triangles, tiles,
+/// levels, layers.NAME.wire_bytes and .decoded_bytes, ...
 nlohmann::json manifest_json(const tileset::Manifest& manifest);
 
 /// manifest_json of an archive, with its size and entries.
 Result<nlohmann::json> read_city_info(const std::string& path);
 
-/// Checks structure and CRC of the archive, directory, every step's checksum and frame, every layer's decoded form, the facade dictionary.
-/// One line for each damage, naming tile and layer; empty when all is well. Error: the file cannot be opened or is no archive.
-Result<std::vector<std::string>> verify_city(const std::string& path, const std::function<void(uint64_t done, uint64_t total)>& progress = {});
+/// Checks structure and CRC of the archive, directory, every step's checksum and frame, every layer's decoded form, the
+/// facade dictionary. One line for each damage, naming tile and layer; empty when all is well. Error: the file cannot
+/// be opened or is no archive.
+Result<std::vector<std::string>> verify_city(const std::string& path,
+                                             const std::function<void(uint64_t done, uint64_t total)>& progress = {});
 
 }  // namespace citystream::tiles::layers

@@ -11,7 +11,8 @@ namespace {
 constexpr double kUpward = 0.3;
 
 double cross(const OutlinePoint& o, const OutlinePoint& a, const OutlinePoint& b) {
-    return static_cast<double>(a[0] - o[0]) * static_cast<double>(b[1] - o[1]) - static_cast<double>(a[1] - o[1]) * static_cast<double>(b[0] - o[0]);
+    return static_cast<double>(a[0] - o[0]) * static_cast<double>(b[1] - o[1]) -
+           static_cast<double>(a[1] - o[1]) * static_cast<double>(b[0] - o[0]);
 }
 
 /// Distance of p to the segment ab.
@@ -138,7 +139,8 @@ Outline oriented_box(const std::vector<OutlinePoint>& points, const std::vector<
         if (area >= best_area) continue;
         best_area = area;
         const auto corner = [&](size_t s, size_t t) {
-            return OutlinePoint{std::llround(range[s] * ux - range[t] * uy), std::llround(range[s] * uy + range[t] * ux)};
+            return OutlinePoint{std::llround(range[s] * ux - range[t] * uy),
+                                std::llround(range[s] * uy + range[t] * ux)};
         };
         best = {corner(0, 2), corner(1, 2), corner(1, 3), corner(0, 3)};
     }

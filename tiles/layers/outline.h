@@ -13,7 +13,8 @@ namespace citystream::tiles::layers {
 using OutlinePoint = std::array<int64_t, 2>;
 using Outline = std::vector<OutlinePoint>;
 
-/// Loops that bound the upward triangles seen from above: outer ones counter-clockwise, holes clockwise. Loops that do not close are left out.
+/// Loops that bound the upward triangles seen from above: outer ones counter-clockwise, holes clockwise. Loops that do
+/// not close are left out.
 std::vector<Outline> roof_outlines(const quadtree::BuildObject& object, const GridPoint& origin);
 
 /// Twice the signed area, counter-clockwise positive.

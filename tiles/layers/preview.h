@@ -1,4 +1,5 @@
-// A small picture of the whole city from above, for the server's page. Thread-safe; the picture does not depend on the order of drawing.
+// A small picture of the whole city from above, for the server's page. Thread-safe; the picture does not depend on the
+// order of drawing.
 #pragma once
 
 #include <array>

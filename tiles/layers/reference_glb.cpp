@@ -98,11 +98,15 @@ class Writer final : public ReferenceWriter {
         return Done{};
     }
 
-    Status finish(const city::CityCatalog& catalog, FacadePainter& facades, const quadtree::GridBox& extent, const GridPoint& origin) override {
+    Status finish(const city::CityCatalog& catalog, FacadePainter& facades, const quadtree::GridBox& extent,
+                  const GridPoint& origin) override {
         catalog_ = &catalog;
-        origin_ = {to_metres(origin.x), to_metres(origin.y), std::floor((to_metres(extent.lo.z) + to_metres(extent.hi.z)) / 2)};
+        origin_ = {to_metres(origin.x), to_metres(origin.y),
+                   std::floor((to_metres(extent.lo.z) + to_metres(extent.hi.z)) / 2)};
         json& out = file_->json();
-        out["asset"] = {{"version", "2.0"}, {"generator", "citystream-build"}, {"extras", {{"citystream", {{"origin", {origin_.x, origin_.y, origin_.z}}}}}}};
+        out["asset"] = {{"version", "2.0"},
+                        {"generator", "citystream-build"},
+                        {"extras", {{"citystream", {{"origin", {origin_.x, origin_.y, origin_.z}}}}}}};
         // z up to glTF's y up: a quarter turn about x, backwards.
         const double half = std::sqrt(0.5);
         file_->add("nodes", {{"name", "city, z up"}, {"rotation", {-half, 0.0, 0.0, half}}});
@@ -113,7 +117,8 @@ class Writer final : public ReferenceWriter {
         out["scene"] = 0;
         if (!extensions_.empty()) {
             out["extensionsUsed"] = extensions_;
-            if (extensions_.count("EXT_mesh_gpu_instancing") != 0) out["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
+            if (extensions_.count("EXT_mesh_gpu_instancing") != 0)
+                out["extensionsRequired"] = {"EXT_mesh_gpu_instancing"};
         }
         return file_->finish();
     }
@@ -125,7 +130,9 @@ class Writer final : public ReferenceWriter {
         });
         for (size_t begin = 0, end = 0; begin < parts_.size(); begin = end) {
             std::vector<std::byte> bytes;
-            for (end = begin; end < parts_.size() && parts_[end].cell_x == parts_[begin].cell_x && parts_[end].cell_y == parts_[begin].cell_y; ++end) {
+            for (end = begin; end < parts_.size() && parts_[end].cell_x == parts_[begin].cell_x &&
+                              parts_[end].cell_y == parts_[begin].cell_y;
+                 ++end) {
                 if (Status status = spool_->read(parts_[end].range, bytes); !status) return status;
             }
             std::vector<SpooledTriangle> triangles(bytes.size() / sizeof(SpooledTriangle));
@@ -149,7 +156,8 @@ class Writer final : public ReferenceWriter {
         }
         if (primitives.empty()) return Done{};
         const uint32_t mesh = file_->add("meshes", {{"primitives", std::move(primitives)}});
-        children_.push_back(file_->add("nodes", {{"mesh", mesh}, {"translation", {corner.x - origin_.x, corner.y - origin_.y, 0.0}}}));
+        children_.push_back(
+            file_->add("nodes", {{"mesh", mesh}, {"translation", {corner.x - origin_.x, corner.y - origin_.y, 0.0}}}));
         return Done{};
     }
 
@@ -163,9 +171,12 @@ class Writer final : public ReferenceWriter {
         const auto shift = whole_repeats(triangle.texcoord);
         for (size_t k = 0; k < 3; ++k) {
             Corner out;
-            out.position = {static_cast<float>(p[k].x - corner.x), static_cast<float>(p[k].y - corner.y), static_cast<float>(p[k].z - corner.z)};
-            out.normal = {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length), static_cast<float>(n[2] / length)};
-            out.texcoord = {static_cast<float>(triangle.texcoord[k].x - shift[0]), static_cast<float>(1 - (triangle.texcoord[k].y - shift[1]))};
+            out.position = {static_cast<float>(p[k].x - corner.x), static_cast<float>(p[k].y - corner.y),
+                            static_cast<float>(p[k].z - corner.z)};
+            out.normal = {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length),
+                          static_cast<float>(n[2] / length)};
+            out.texcoord = {static_cast<float>(triangle.texcoord[k].x - shift[0]),
+                            static_cast<float>(1 - (triangle.texcoord[k].y - shift[1]))};
             batch.add(out);
         }
     }
@@ -180,8 +191,9 @@ class Writer final : public ReferenceWriter {
         return write_primitive(positions, normals, texcoords, batch.indices, gltf_material(material, 0));
     }
 
-    Result<json> write_primitive(std::span<const float> positions, std::span<const float> normals, std::span<const float> texcoords,
-                                 std::span<const uint32_t> indices, uint32_t material) {
+    Result<json> write_primitive(std::span<const float> positions, std::span<const float> normals,
+                                 std::span<const float> texcoords, std::span<const uint32_t> indices,
+                                 uint32_t material) {
         const auto p = file_->add_floats(positions, 3, true, kVertexTarget);
         if (!p) return p.error();
         const auto n = file_->add_floats(normals, 3, false, kVertexTarget);
@@ -190,7 +202,9 @@ class Writer final : public ReferenceWriter {
         if (!t) return t.error();
         const auto i = file_->add_indices(indices);
         if (!i) return i.error();
-        return json{{"attributes", {{"POSITION", *p}, {"NORMAL", *n}, {"TEXCOORD_0", *t}}}, {"indices", *i}, {"material", material}};
+        return json{{"attributes", {{"POSITION", *p}, {"NORMAL", *n}, {"TEXCOORD_0", *t}}},
+                    {"indices", *i},
+                    {"material", material}};
     }
 
     /// glTF material of a catalog material; with metres_per_repeat > 0 the texture coordinates are metres.
@@ -201,16 +215,19 @@ class Writer final : public ReferenceWriter {
         json pbr = {{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}};
         const int64_t image = m.image < 0 ? -1 : gltf_image(static_cast<uint32_t>(m.image));
         if (image < 0) {
-            pbr["baseColorFactor"] = {srgb_to_linear(m.rgb[0]), srgb_to_linear(m.rgb[1]), srgb_to_linear(m.rgb[2]), 1.0};
+            pbr["baseColorFactor"] = {srgb_to_linear(m.rgb[0]), srgb_to_linear(m.rgb[1]), srgb_to_linear(m.rgb[2]),
+                                      1.0};
         } else {
-            pbr["baseColorTexture"] = {{"index", gltf_texture(static_cast<uint32_t>(image), m.repeat || metres_per_repeat > 0)}};
+            pbr["baseColorTexture"] = {
+                {"index", gltf_texture(static_cast<uint32_t>(image), m.repeat || metres_per_repeat > 0)}};
             if (metres_per_repeat > 0) {
                 const double scale = 1.0 / static_cast<double>(metres_per_repeat);
                 pbr["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {{"scale", {scale, scale}}};
                 extensions_.insert("KHR_texture_transform");
             }
         }
-        return materials_[key] = file_->add("materials", {{"pbrMetallicRoughness", std::move(pbr)}, {"doubleSided", true}});
+        return materials_[key] =
+                   file_->add("materials", {{"pbrMetallicRoughness", std::move(pbr)}, {"doubleSided", true}});
     }
 
     uint32_t gltf_texture(uint32_t image, bool repeat) {
@@ -218,7 +235,8 @@ class Writer final : public ReferenceWriter {
         if (const auto found = textures_.find(key); found != textures_.end()) return found->second;
         const int wrap = repeat ? kRepeat : kClamp;
         if (samplers_.count(repeat) == 0) {
-            samplers_[repeat] = file_->add("samplers", {{"magFilter", kLinear}, {"minFilter", kMipmapped}, {"wrapS", wrap}, {"wrapT", wrap}});
+            samplers_[repeat] = file_->add(
+                "samplers", {{"magFilter", kLinear}, {"minFilter", kMipmapped}, {"wrapS", wrap}, {"wrapT", wrap}});
         }
         return textures_[key] = file_->add("textures", {{"source", image}, {"sampler", samplers_[repeat]}});
     }
@@ -232,13 +250,15 @@ class Writer final : public ReferenceWriter {
         const bool png = bytes.starts_with("\x89PNG");
         const auto view = file_->add_view(std::as_bytes(std::span(bytes)), 0);
         if (!view) return -1;
-        return images_[image] = file_->add("images", {{"bufferView", *view}, {"mimeType", png ? "image/png" : "image/jpeg"}});
+        return images_[image] =
+                   file_->add("images", {{"bufferView", *view}, {"mimeType", png ? "image/png" : "image/jpeg"}});
     }
 
     /// The image's own bytes when they are PNG or JPEG that can be decoded, else PNG made of its pixels.
     std::string image_file(uint32_t image) {
         const city::ImageSource& source = catalog_->images[image];
-        if (source.pixels) return encode_png({source.pixels->width, source.pixels->height, false, false, 0, source.pixels->rgb});
+        if (source.pixels)
+            return encode_png({source.pixels->width, source.pixels->height, false, false, 0, source.pixels->rgb});
         const auto decoded = decode_image(source.path);
         if (!decoded) return {};
         std::ifstream file(source.path, std::ios::binary);
@@ -250,7 +270,8 @@ class Writer final : public ReferenceWriter {
     std::string encode_png(const ChartImage& image) const {
         const std::string path = folder_ + "/reference.png";
         auto output = OIIO::ImageOutput::create(path);
-        const OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3, OIIO::TypeDesc::UINT8);
+        const OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3,
+                                   OIIO::TypeDesc::UINT8);
         if (!output || !output->open(path, spec)) return {};
         for (uint32_t y = 0; y < image.height; ++y) {
             const uint8_t* row = image.rgb.data() + size_t{3} * image.width * (image.height - 1 - y);
@@ -290,8 +311,11 @@ class Writer final : public ReferenceWriter {
         if (!view) return view.error();
         std::map<uint32_t, json> primitives;
         for (const auto& [slot, part] : make_relief(*view)) {
-            const auto floats = [](const auto& list) { return std::span(list.data()->data(), list.size() * list.data()->size()); };
-            auto primitive = write_primitive(floats(part.positions), floats(part.normals), floats(part.texcoords), part.indices, 0);
+            const auto floats = [](const auto& list) {
+                return std::span(list.data()->data(), list.size() * list.data()->size());
+            };
+            auto primitive =
+                write_primitive(floats(part.positions), floats(part.normals), floats(part.texcoords), part.indices, 0);
             if (!primitive) return primitive.error();
             primitives[slot] = std::move(primitive).value();
         }
@@ -304,11 +328,14 @@ class Writer final : public ReferenceWriter {
             for (double value : values) list.push_back(static_cast<float>(value));
         };
         for (const city::FacadeWall& wall : walls) {
-            put(translations, {wall.lower_left.x - origin_.x, wall.lower_left.y - origin_.y, wall.lower_left.z - origin_.z});
-            // A quarter turn about x stands the map up (its y becomes z), then a turn about z lays its x along the wall.
+            put(translations,
+                {wall.lower_left.x - origin_.x, wall.lower_left.y - origin_.y, wall.lower_left.z - origin_.z});
+            // A quarter turn about x stands the map up (its y becomes z), then a turn about z lays its x along the
+            // wall.
             const double half = std::atan2(wall.along.y, wall.along.x) / 2, s = std::sqrt(0.5);
             put(rotations, {std::cos(half) * s, std::sin(half) * s, std::sin(half) * s, std::cos(half) * s});
-            put(scales, {std::hypot(wall.along.x, wall.along.y) / facts.width_metres, wall.height / facts.height_metres, 1});
+            put(scales,
+                {std::hypot(wall.along.x, wall.along.y) / facts.width_metres, wall.height / facts.height_metres, 1});
         }
         const auto t = file_->add_floats(translations, 3, false, 0);
         if (!t) return t.error();
@@ -318,7 +345,9 @@ class Writer final : public ReferenceWriter {
         if (!s) return s.error();
         extensions_.insert("EXT_mesh_gpu_instancing");
         json attributes = {{"TRANSLATION", *t}, {"ROTATION", *r}, {"SCALE", *s}};
-        children_.push_back(file_->add("nodes", {{"mesh", mesh}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", std::move(attributes)}}}}}}));
+        children_.push_back(file_->add(
+            "nodes",
+            {{"mesh", mesh}, {"extensions", {{"EXT_mesh_gpu_instancing", {{"attributes", std::move(attributes)}}}}}}));
         return Done{};
     }
 

@@ -1,5 +1,6 @@
-// The same city uncompressed as standard glTF 2.0 (.glb): full-precision positions about a local origin, original images, facade relief as
-// instanced triangles (EXT_mesh_gpu_instancing). What the reference renderer draws, and what any other tool can check us with.
+// The same city uncompressed as standard glTF 2.0 (.glb): full-precision positions about a local origin, original
+// images, facade relief as instanced triangles (EXT_mesh_gpu_instancing). What the reference renderer draws, and what
+// any other tool can check us with.
 #pragma once
 
 #include <memory>
@@ -19,7 +20,8 @@ class ReferenceWriter {
     virtual ~ReferenceWriter() = default;
     virtual Status add(const city::CityObject& object) = 0;
     /// `origin`: of the manifest; positions count from it (x, y) and from the middle of the extent's height (z).
-    virtual Status finish(const city::CityCatalog& catalog, FacadePainter& facades, const quadtree::GridBox& extent, const GridPoint& origin) = 0;
+    virtual Status finish(const city::CityCatalog& catalog, FacadePainter& facades, const quadtree::GridBox& extent,
+                          const GridPoint& origin) = 0;
 };
 
 }  // namespace citystream::tiles::layers

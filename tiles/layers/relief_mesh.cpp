@@ -8,7 +8,9 @@ using Point = std::array<double, 3>;
 
 constexpr double kMetresPerTexel = 0.01, kMetresPerMm = 0.001;
 
-double depth_of(uint32_t label) { return static_cast<int16_t>(label & 0xffffU) * kMetresPerMm; }
+double depth_of(uint32_t label) {
+    return static_cast<int16_t>(label & 0xffffU) * kMetresPerMm;
+}
 
 class ReliefBuilder {
   public:
@@ -50,7 +52,9 @@ class ReliefBuilder {
             for (uint32_t column = 0; column < columns; ++column) {
                 if (done[size_t{row} * columns + column]) continue;
                 const uint32_t label = map_.label(column, row);
-                const auto fits = [&](uint32_t c, uint32_t r) { return !done[size_t{r} * columns + c] && map_.label(c, r) == label; };
+                const auto fits = [&](uint32_t c, uint32_t r) {
+                    return !done[size_t{r} * columns + c] && map_.label(c, r) == label;
+                };
                 uint32_t right = column + 1, top = row + 1;
                 while (right < columns && fits(right, row)) ++right;
                 const auto row_fits = [&](uint32_t r) {
@@ -63,7 +67,8 @@ class ReliefBuilder {
                 for (uint32_t r = row; r < top; ++r) {
                     for (uint32_t c = column; c < right; ++c) done[size_t{r} * columns + c] = true;
                 }
-                add_quad(label, {x(column), y(row), depth_of(label)}, {x(right) - x(column), 0, 0}, {0, y(top) - y(row), 0}, {0, 0, 1});
+                add_quad(label, {x(column), y(row), depth_of(label)}, {x(right) - x(column), 0, 0},
+                         {0, y(top) - y(row), 0}, {0, 0, 1});
             }
         }
     }
@@ -73,7 +78,9 @@ class ReliefBuilder {
         uint32_t label = 0;
         double low = 0, high = 0;
         bool first_is_higher = false;
-        bool operator==(const Step& o) const { return label == o.label && low == o.low && first_is_higher == o.first_is_higher; }
+        bool operator==(const Step& o) const {
+            return label == o.label && low == o.low && first_is_higher == o.first_is_higher;
+        }
         bool visible() const { return high > low; }
     };
 
@@ -91,7 +98,8 @@ class ReliefBuilder {
     void add_sides_at_column(uint32_t column) {
         const auto step_at = [&](uint32_t row) {
             const bool left = column > 0, right = column < map_.columns();
-            return step_between(left, left ? map_.label(column - 1, row) : 0, right, right ? map_.label(column, row) : 0);
+            return step_between(left, left ? map_.label(column - 1, row) : 0, right,
+                                right ? map_.label(column, row) : 0);
         };
         for (uint32_t row = 0; row < map_.rows();) {
             const Step step = step_at(row);
@@ -113,7 +121,8 @@ class ReliefBuilder {
     void add_sides_at_row(uint32_t row) {
         const auto step_at = [&](uint32_t column) {
             const bool below = row > 0, above = row < map_.rows();
-            return step_between(below, below ? map_.label(column, row - 1) : 0, above, above ? map_.label(column, row) : 0);
+            return step_between(below, below ? map_.label(column, row - 1) : 0, above,
+                                above ? map_.label(column, row) : 0);
         };
         for (uint32_t column = 0; column < map_.columns();) {
             const Step step = step_at(column);
@@ -138,6 +147,8 @@ class ReliefBuilder {
 
 }  // namespace
 
-std::map<uint32_t, ReliefPart> make_relief(const FacadeMapView& map) { return ReliefBuilder(map).run(); }
+std::map<uint32_t, ReliefPart> make_relief(const FacadeMapView& map) {
+    return ReliefBuilder(map).run();
+}
 
 }  // namespace citystream::tiles::layers

@@ -17,7 +17,8 @@ struct BorderEdge {
 
 bool on_border(const GridPoint& a, const GridPoint& b, const GridPoint& corner, int64_t side) {
     const auto line = [](int64_t p, int64_t q, int64_t at) { return p == at && q == at; };
-    return line(a.x, b.x, corner.x) || line(a.x, b.x, corner.x + side) || line(a.y, b.y, corner.y) || line(a.y, b.y, corner.y + side);
+    return line(a.x, b.x, corner.x) || line(a.x, b.x, corner.x + side) || line(a.y, b.y, corner.y) ||
+           line(a.y, b.y, corner.y + side);
 }
 
 std::array<int64_t, 6> edge_key(GridPoint a, GridPoint b) {
@@ -32,7 +33,8 @@ SkirtQuad hang(const BuildObject& object, const BorderEdge& edge, int64_t depth)
     SkirtQuad quad;
     quad.corners = {GridPoint{a.x, a.y, a.z - depth}, GridPoint{b.x, b.y, b.z - depth}, b, a};
     quad.texcoords = {triangle.texcoord[from], triangle.texcoord[to], triangle.texcoord[to], triangle.texcoord[from]};
-    quad.normal = unit_normal(object.vertices[triangle.vertex[0]], object.vertices[triangle.vertex[1]], object.vertices[triangle.vertex[2]]);
+    quad.normal = unit_normal(object.vertices[triangle.vertex[0]], object.vertices[triangle.vertex[1]],
+                              object.vertices[triangle.vertex[2]]);
     quad.object = edge.object;
     quad.paint = triangle.paint;
     return quad;
@@ -47,7 +49,8 @@ std::array<float, 3> unit_normal(const GridPoint& a, const GridPoint& b, const G
     return {static_cast<float>(n[0] / length), static_cast<float>(n[1] / length), static_cast<float>(n[2] / length)};
 }
 
-std::vector<SkirtQuad> make_skirts(std::span<const BuildObject> objects, const GridPoint& corner, int64_t side, int64_t depth) {
+std::vector<SkirtQuad> make_skirts(std::span<const BuildObject> objects, const GridPoint& corner, int64_t side,
+                                   int64_t depth) {
     std::vector<BorderEdge> edges;
     for (uint32_t o = 0; o < objects.size(); ++o) {
         if (!objects[o].ground()) continue;
@@ -60,7 +63,8 @@ std::vector<SkirtQuad> make_skirts(std::span<const BuildObject> objects, const G
             }
         }
     }
-    std::stable_sort(edges.begin(), edges.end(), [](const BorderEdge& a, const BorderEdge& b) { return a.key < b.key; });
+    std::stable_sort(edges.begin(), edges.end(),
+                     [](const BorderEdge& a, const BorderEdge& b) { return a.key < b.key; });
     std::vector<SkirtQuad> skirts;
     for (size_t i = 0; i < edges.size();) {
         size_t end = i + 1;

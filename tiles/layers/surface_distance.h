@@ -9,7 +9,7 @@
 
 namespace citystream::tiles::layers {
 
-using Point3 = std::array<double, 3>;     ///< grid units, about an origin of the caller's choice
+using Point3 = std::array<double, 3>;  ///< grid units, about an origin of the caller's choice
 using Triangle3 = std::array<Point3, 3>;
 
 /// Triangles of an object (its facades as two each) about `origin`.
@@ -17,8 +17,8 @@ std::vector<Triangle3> surface_of(const quadtree::BuildObject& object, const Gri
 
 double squared_distance(const Point3& p, const Triangle3& triangle);
 
-/// Greatest distance of the corners, edge middles and centres of `from` to the surface `to`; stops early beyond `limit` (returns something greater).
-/// O(|from| * |to|).
+/// Greatest distance of the corners, edge middles and centres of `from` to the surface `to`; stops early beyond `limit`
+/// (returns something greater). O(|from| * |to|).
 double one_sided_distance(std::span<const Triangle3> from, std::span<const Triangle3> to, double limit);
 
 /// The greater of both directions.

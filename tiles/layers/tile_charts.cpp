@@ -12,9 +12,9 @@ using quadtree::Paint;
 using quadtree::PaintKind;
 
 constexpr int64_t kOneRepeat = 65536;
-constexpr int64_t kEdgeSlack = 64;       // a thousandth of a repeat outside 0..1 still counts as inside
+constexpr int64_t kEdgeSlack = 64;  // a thousandth of a repeat outside 0..1 still counts as inside
 constexpr uint32_t kGreatestChart = 8192;
-constexpr double kCoarsestShare = 1.5;   // a texel is at least the wanted size divided by this
+constexpr double kCoarsestShare = 1.5;  // a texel is at least the wanted size divided by this
 constexpr double kMarginTexels = 1;
 
 double world_area(const BuildObject& object, const BuildTriangle& triangle) {
@@ -25,7 +25,9 @@ double world_area(const BuildObject& object, const BuildTriangle& triangle) {
 
 double texture_area(const BuildTriangle& triangle) {
     const auto& t = triangle.texcoord;
-    const auto edge = [&](size_t corner, size_t axis) { return static_cast<double>(t[corner][axis] - t[0][axis]) / quadtree::kTexcoordUnits; };
+    const auto edge = [&](size_t corner, size_t axis) {
+        return static_cast<double>(t[corner][axis] - t[0][axis]) / quadtree::kTexcoordUnits;
+    };
     return 0.5 * std::abs(edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0));
 }
 
@@ -33,7 +35,9 @@ double texture_area(const BuildTriangle& triangle) {
 uint32_t halvings(const ChartImage& image, double texel, double wanted) {
     uint32_t level = 0;
     const uint32_t size = std::max(image.width, image.height);
-    while ((size >> level) > 1 && ((size >> level) > kGreatestChart || std::ldexp(texel, static_cast<int>(level)) < wanted / kCoarsestShare)) ++level;
+    while ((size >> level) > 1 &&
+           ((size >> level) > kGreatestChart || std::ldexp(texel, static_cast<int>(level)) < wanted / kCoarsestShare))
+        ++level;
     return level;
 }
 
@@ -58,7 +62,9 @@ void TileCharts::note(uint32_t object, const BuildObject& built) {
     }
 }
 
-void TileCharts::add_ground_picture(uint32_t picture, ChartImage image) { ground_pictures_[picture] = add(std::move(image)); }
+void TileCharts::add_ground_picture(uint32_t picture, ChartImage image) {
+    ground_pictures_[picture] = add(std::move(image));
+}
 
 void TileCharts::settle() {
     for (const auto& [paint, noted] : noted_) settle_image(paint, noted);
@@ -79,7 +85,8 @@ void TileCharts::settle_image(const Paint& paint, const ImagePaint& noted) {
     const auto level_texel = static_cast<float>(std::ldexp(texel, static_cast<int>(level)));
     const bool outside = std::any_of(noted.objects.begin(), noted.objects.end(), [](const auto& entry) {
         const Range& r = entry.second;
-        return r.lo[0] < -kEdgeSlack || r.lo[1] < -kEdgeSlack || r.hi[0] > kOneRepeat + kEdgeSlack || r.hi[1] > kOneRepeat + kEdgeSlack;
+        return r.lo[0] < -kEdgeSlack || r.lo[1] < -kEdgeSlack || r.hi[0] > kOneRepeat + kEdgeSlack ||
+               r.hi[1] > kOneRepeat + kEdgeSlack;
     });
     if (outside) {
         settle_whole(paint, noted, *image, material.repeat, level_texel);
@@ -88,7 +95,8 @@ void TileCharts::settle_image(const Paint& paint, const ImagePaint& noted) {
     }
 }
 
-void TileCharts::settle_whole(const Paint& paint, const ImagePaint& noted, const ChartImage& image, bool repeat, float texel) {
+void TileCharts::settle_whole(const Paint& paint, const ImagePaint& noted, const ChartImage& image, bool repeat,
+                              float texel) {
     ChartImage chart = image;
     chart.repeat_u = chart.repeat_v = repeat;
     chart.metres_per_texel = image.width * image.height > 1 ? texel : 0;
@@ -97,7 +105,8 @@ void TileCharts::settle_whole(const Paint& paint, const ImagePaint& noted, const
         ChartUse use;
         use.chart = index;
         // Whole repeats are shifted away object by object, so that the packed coordinates stay small.
-        for (size_t axis = 0; repeat && axis < 2; ++axis) use.offset[axis] = static_cast<double>((range.lo[axis] >> 16) * kOneRepeat);
+        for (size_t axis = 0; repeat && axis < 2; ++axis)
+            use.offset[axis] = static_cast<double>((range.lo[axis] >> 16) * kOneRepeat);
         image_uses_[{paint, object}] = use;
     }
 }
@@ -108,15 +117,19 @@ void TileCharts::settle_crops(const Paint& paint, const ImagePaint& noted, const
     uint64_t sum = 0;
     for (const auto& [object, range] : noted.objects) {
         const auto low = [](int64_t t, uint32_t size) {
-            return static_cast<uint32_t>(std::clamp(std::floor(static_cast<double>(t) / kOneRepeat * size) - kMarginTexels, 0.0, size - 1.0));
+            return static_cast<uint32_t>(
+                std::clamp(std::floor(static_cast<double>(t) / kOneRepeat * size) - kMarginTexels, 0.0, size - 1.0));
         };
         const auto high = [](int64_t t, uint32_t size) {
-            return static_cast<uint32_t>(std::clamp(std::ceil(static_cast<double>(t) / kOneRepeat * size) + kMarginTexels, 1.0, size * 1.0));
+            return static_cast<uint32_t>(
+                std::clamp(std::ceil(static_cast<double>(t) / kOneRepeat * size) + kMarginTexels, 1.0, size * 1.0));
         };
-        Crop crop{low(range.lo[0], image.width), low(range.lo[1], image.height), high(range.hi[0], image.width), high(range.hi[1], image.height)};
+        Crop crop{low(range.lo[0], image.width), low(range.lo[1], image.height), high(range.hi[0], image.width),
+                  high(range.hi[1], image.height)};
         crop.x1 = std::max(crop.x1, crop.x0 + 1);
         crop.y1 = std::max(crop.y1, crop.y0 + 1);
-        all = {std::min(all.x0, crop.x0), std::min(all.y0, crop.y0), std::max(all.x1, crop.x1), std::max(all.y1, crop.y1)};
+        all = {std::min(all.x0, crop.x0), std::min(all.y0, crop.y0), std::max(all.x1, crop.x1),
+               std::max(all.y1, crop.y1)};
         sum += crop.area();
         crops[object] = crop;
     }
@@ -126,8 +139,10 @@ void TileCharts::settle_crops(const Paint& paint, const ImagePaint& noted, const
         const Crop& crop = together ? all : own;
         ChartUse use;
         use.chart = together ? common : add_crop(image, own, texel);
-        use.offset = {static_cast<double>(crop.x0) / image.width * kOneRepeat, static_cast<double>(crop.y0) / image.height * kOneRepeat};
-        use.scale = {static_cast<double>(image.width) / (crop.x1 - crop.x0), static_cast<double>(image.height) / (crop.y1 - crop.y0)};
+        use.offset = {static_cast<double>(crop.x0) / image.width * kOneRepeat,
+                      static_cast<double>(crop.y0) / image.height * kOneRepeat};
+        use.scale = {static_cast<double>(image.width) / (crop.x1 - crop.x0),
+                     static_cast<double>(image.height) / (crop.y1 - crop.y0)};
         image_uses_[{paint, object}] = use;
     }
 }
@@ -147,10 +162,14 @@ uint32_t TileCharts::add_crop(const ChartImage& image, const Crop& crop, float t
 
 ChartUse TileCharts::use(uint32_t object, const Paint& paint) const {
     switch (paint.kind) {
-        case PaintKind::kFlat: return {flats_.at(paint.a), {}, {0, 0}};
-        case PaintKind::kMaterial: return image_uses_.at({paint, object});
-        case PaintKind::kFacade: return {facade_pictures_.at({paint.a, paint.b}), {}, {1, 1}};
-        case PaintKind::kGroundPicture: return {ground_pictures_.at(paint.a), {}, {1, 1}};
+        case PaintKind::kFlat:
+            return {flats_.at(paint.a), {}, {0, 0}};
+        case PaintKind::kMaterial:
+            return image_uses_.at({paint, object});
+        case PaintKind::kFacade:
+            return {facade_pictures_.at({paint.a, paint.b}), {}, {1, 1}};
+        case PaintKind::kGroundPicture:
+            return {ground_pictures_.at(paint.a), {}, {1, 1}};
     }
     return {};
 }
@@ -172,7 +191,8 @@ uint32_t TileCharts::facade_material(uint32_t material) {
     const uint32_t level = halvings(*whole, texel, texel_);
     ChartImage chart = *images_.mip(static_cast<uint32_t>(m.image), level);
     chart.repeat_u = chart.repeat_v = true;
-    chart.metres_per_texel = chart.width * chart.height > 1 ? static_cast<float>(std::ldexp(texel, static_cast<int>(level))) : 0;
+    chart.metres_per_texel =
+        chart.width * chart.height > 1 ? static_cast<float>(std::ldexp(texel, static_cast<int>(level))) : 0;
     return facade_materials_[material] = add(std::move(chart));
 }
 

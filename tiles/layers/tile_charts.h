@@ -1,5 +1,6 @@
-// The charts of one tile: which parts of which images its triangles and facades show, at the texel size that the tile's level asks for.
-// Usage: note() every triangle, settle(), then ask where each triangle's texture coordinates land; take() the images for the atlas codec.
+// The charts of one tile: which parts of which images its triangles and facades show, at the texel size that the tile's
+// level asks for. Usage: note() every triangle, settle(), then ask where each triangle's texture coordinates land;
+// take() the images for the atlas codec.
 #pragma once
 
 #include <array>
@@ -55,7 +56,8 @@ class TileCharts {
         uint64_t area() const { return uint64_t{x1 - x0} * (y1 - y0); }
     };
     void settle_image(const quadtree::Paint& paint, const ImagePaint& noted);
-    void settle_whole(const quadtree::Paint& paint, const ImagePaint& noted, const ChartImage& image, bool repeat, float texel);
+    void settle_whole(const quadtree::Paint& paint, const ImagePaint& noted, const ChartImage& image, bool repeat,
+                      float texel);
     void settle_crops(const quadtree::Paint& paint, const ImagePaint& noted, const ChartImage& image, float texel);
     uint32_t add_crop(const ChartImage& image, const Crop& crop, float texel);
     uint32_t add(ChartImage image);

@@ -20,8 +20,8 @@ using quadtree::BuildObject;
 using quadtree::BuildTriangle;
 using tileset::Layer;
 
-constexpr int kStepLevel = 12;             // zstd: within 3 % of level 19 on these codes at a tenth of its time
-constexpr int kBaseHeightBits = 16;        // coarser than every bit that a mesh step drops, so that neighbours truncate alike
+constexpr int kStepLevel = 12;       // zstd: within 3 % of level 19 on these codes at a tenth of its time
+constexpr int kBaseHeightBits = 16;  // coarser than every bit that a mesh step drops, so that neighbours truncate alike
 constexpr double kFinestFacadeTexel = 0.1, kCoarsestFacadeTexel = 0.4;
 constexpr int64_t kFlatRepeat = 65536;
 
@@ -44,7 +44,10 @@ void append_layer(EncodedTile& tile, Layer layer, const LayerSteps& steps) {
 class TileAssembly {
   public:
     TileAssembly(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop)
-        : spec_(spec), content_(content), workshop_(workshop), charts_(workshop.catalog, workshop.images, workshop.facades, spec.texel) {}
+        : spec_(spec),
+          content_(content),
+          workshop_(workshop),
+          charts_(workshop.catalog, workshop.images, workshop.facades, spec.texel) {}
 
     EncodedTile run() {
         place();
@@ -62,7 +65,8 @@ class TileAssembly {
     bool wants(Layer layer) const { return workshop_.layers[static_cast<size_t>(layer)]; }
 
     void place() {
-        skirts_ = make_skirts(content_.objects, spec_.corner, spec_.side, static_cast<int64_t>(std::ceil(spec_.skirt_metres * kGridUnitsPerMetre)));
+        skirts_ = make_skirts(content_.objects, spec_.corner, spec_.side,
+                              static_cast<int64_t>(std::ceil(spec_.skirt_metres * kGridUnitsPerMetre)));
         for (const BuildObject& object : content_.objects) {
             box_.add(object.box());
             for (const BuildFacade& facade : object.facades) {
@@ -76,12 +80,14 @@ class TileAssembly {
     }
 
     void note_charts() {
-        for (uint32_t i = 0; i < content_.ground_pictures.size(); ++i) charts_.add_ground_picture(i, content_.ground_pictures[i]);
+        for (uint32_t i = 0; i < content_.ground_pictures.size(); ++i)
+            charts_.add_ground_picture(i, content_.ground_pictures[i]);
         for (uint32_t i = 0; i < content_.objects.size(); ++i) charts_.note(i, content_.objects[i]);
         charts_.settle();
     }
 
-    void add_corner(const GridPoint& point, const std::array<float, 3>& normal, const std::array<int64_t, 2>& texcoord, const ChartUse& use) {
+    void add_corner(const GridPoint& point, const std::array<float, 3>& normal, const std::array<int64_t, 2>& texcoord,
+                    const ChartUse& use) {
         MeshVertex vertex{};
         vertex.position[0] = static_cast<int32_t>(point.x - spec_.corner.x);
         vertex.position[1] = static_cast<int32_t>(point.y - spec_.corner.y);
@@ -89,7 +95,8 @@ class TileAssembly {
         for (size_t k = 0; k < 3; ++k) vertex.normal[k] = normal[k];
         for (size_t k = 0; k < 2; ++k) {
             vertex.texcoord[k] = static_cast<int32_t>(
-                std::clamp(std::round((static_cast<double>(texcoord[k]) - use.offset[k]) * use.scale[k]), -2147483648.0, 2147483647.0));
+                std::clamp(std::round((static_cast<double>(texcoord[k]) - use.offset[k]) * use.scale[k]), -2147483648.0,
+                           2147483647.0));
         }
         mesh_.indices.push_back(static_cast<uint32_t>(mesh_.vertices.size()));
         mesh_.vertices.push_back(vertex);
@@ -122,11 +129,13 @@ class TileAssembly {
     }
 
     void add_facades() {
-        const std::array<std::array<int64_t, 2>, 4> texcoords = {{{0, 0}, {kFlatRepeat, 0}, {kFlatRepeat, kFlatRepeat}, {0, kFlatRepeat}}};
+        const std::array<std::array<int64_t, 2>, 4> texcoords = {
+            {{0, 0}, {kFlatRepeat, 0}, {kFlatRepeat, kFlatRepeat}, {0, kFlatRepeat}}};
         for (const BuildObject& object : content_.objects) {
             for (const BuildFacade& facade : object.facades) {
                 const FacadeFacts& facts = workshop_.facades.facts(facade.map);
-                const double texel = std::max(spec_.facade_texel, std::clamp(facts.depth_metres, kFinestFacadeTexel, kCoarsestFacadeTexel));
+                const double texel = std::max(spec_.facade_texel,
+                                              std::clamp(facts.depth_metres, kFinestFacadeTexel, kCoarsestFacadeTexel));
                 ChartUse use;
                 use.chart = charts_.facade_picture(facade.map, facade.palette, texel);
                 const auto corners = facade.corners();
@@ -141,7 +150,8 @@ class TileAssembly {
                 if (((palette_slots_[index] >> slot) & 1U) == 0) continue;
                 const uint32_t material = workshop_.catalog.palettes[palette].material[slot];
                 const city::Material& m = workshop_.catalog.materials[material];
-                facade_tile_.palettes[index].slots[slot] = {charts_.facade_material(material), m.metres_per_repeat > 0 ? m.metres_per_repeat : 1.0F};
+                facade_tile_.palettes[index].slots[slot] = {charts_.facade_material(material),
+                                                            m.metres_per_repeat > 0 ? m.metres_per_repeat : 1.0F};
             }
         }
     }
@@ -178,8 +188,10 @@ class TileAssembly {
         std::sort(maps_.begin(), maps_.end());
         record.facade_maps = static_cast<uint32_t>(std::unique(maps_.begin(), maps_.end()) - maps_.begin());
         const GridPoint& o = workshop_.city_origin;
-        record.bounds.min = {to_metres(box_.lo.x - o.x) - relief_, to_metres(box_.lo.y - o.y) - relief_, to_metres(box_.lo.z)};
-        record.bounds.max = {to_metres(box_.hi.x - o.x) + relief_, to_metres(box_.hi.y - o.y) + relief_, to_metres(box_.hi.z)};
+        record.bounds.min = {to_metres(box_.lo.x - o.x) - relief_, to_metres(box_.lo.y - o.y) - relief_,
+                             to_metres(box_.lo.z)};
+        record.bounds.max = {to_metres(box_.hi.x - o.x) + relief_, to_metres(box_.hi.y - o.y) + relief_,
+                             to_metres(box_.hi.z)};
     }
 
     void encode(EncodedTile& tile) {

@@ -1,4 +1,5 @@
-// One tile's objects to its layers: mesh, facade and atlas bytes, each step a zstd frame, and the tile's record for the directory.
+// One tile's objects to its layers: mesh, facade and atlas bytes, each step a zstd frame, and the tile's record for the
+// directory.
 #pragma once
 
 #include <array>
@@ -24,12 +25,12 @@ struct TileWorkshop {
 
 struct TileSpec {
     tileset::TileAddress address;
-    GridPoint corner;            ///< absolute minimum corner of its square
-    int64_t side = 0;            ///< grid units
-    double texel = 0.05;         ///< metres a texel of the finest mip
-    double facade_texel = 0.1;   ///< least metres a texel of facades seen flat
-    float geometric_error = 0;   ///< of the objects
-    double skirt_metres = 1;     ///< how far the ground hangs down at the tile's border
+    GridPoint corner;           ///< absolute minimum corner of its square
+    int64_t side = 0;           ///< grid units
+    double texel = 0.05;        ///< metres a texel of the finest mip
+    double facade_texel = 0.1;  ///< least metres a texel of facades seen flat
+    float geometric_error = 0;  ///< of the objects
+    double skirt_metres = 1;    ///< how far the ground hangs down at the tile's border
 };
 
 struct TileContent {

@@ -19,9 +19,10 @@ using quadtree::BuildObject;
 using quadtree::TileNode;
 
 constexpr double kLeafTexel = 0.05;
-constexpr double kPixelsAcrossTile = 512;        // an inner tile's error is its side over this
+constexpr double kPixelsAcrossTile = 512;  // an inner tile's error is its side over this
+constexpr double kSkirtErrors = 4;  // a skirt reaches below the error of the level above, and of the one above that
 constexpr uint64_t kInnerTriangles = 49152;
-constexpr uint64_t kBytesPerTriangle = 2000;     // peak while a tile is coarsened and encoded, measured
+constexpr uint64_t kBytesPerTriangle = 2000;  // peak while a tile is coarsened and encoded, measured
 constexpr uint64_t kBytesPerTile = 16 << 20;
 constexpr std::array<uint8_t, 3> kGroundColour = {142, 140, 132};
 
@@ -78,7 +79,8 @@ Result<TileContent> deserialise_content(std::span<const std::byte> bytes) {
     if (!take(&count, sizeof(count))) return damaged;
     for (uint32_t i = 0; i < count; ++i) {
         ChartImage picture;
-        if (!take(&picture.width, 4) || !take(&picture.height, 4) || !take(&picture.metres_per_texel, 4)) return damaged;
+        if (!take(&picture.width, 4) || !take(&picture.height, 4) || !take(&picture.metres_per_texel, 4))
+            return damaged;
         const size_t size = size_t{3} * picture.width * picture.height;
         if (size > bytes.size()) return damaged;
         picture.rgb.resize(size);
@@ -93,7 +95,8 @@ Result<TileContent> deserialise_content(std::span<const std::byte> bytes) {
 
 class Pipeline {
   public:
-    explicit Pipeline(const PipelineInput& input) : in_(input), gate_(input.options.memory_limit / 2), built_(input.tree.nodes.size()) {}
+    explicit Pipeline(const PipelineInput& input)
+        : in_(input), gate_(input.options.memory_limit / 2), built_(input.tree.nodes.size()) {}
 
     Result<std::vector<BuiltTile>> run() {
         for (uint32_t level = in_.tree.levels(); level-- > 0;) {
@@ -120,7 +123,8 @@ class Pipeline {
                 finish_one(status);
             }
         };
-        const uint32_t jobs = in_.options.jobs != 0 ? in_.options.jobs : std::max(1U, std::thread::hardware_concurrency());
+        const uint32_t jobs =
+            in_.options.jobs != 0 ? in_.options.jobs : std::max(1U, std::thread::hardware_concurrency());
         std::vector<std::jthread> threads;
         for (uint32_t i = 1; i < std::min<size_t>(jobs, nodes.size()); ++i) threads.emplace_back(work);
         work();
@@ -147,7 +151,7 @@ class Pipeline {
         spec.corner = in_.tree.corner(node.address);
         spec.side = in_.tree.side(node.address.level);
         spec.texel = kLeafTexel;
-        spec.skirt_metres = 2 * level_error(2 * side_metres(node)) + 1;
+        spec.skirt_metres = kSkirtErrors * level_error(2 * side_metres(node)) + 1;
         return spec;
     }
 
@@ -162,7 +166,9 @@ class Pipeline {
         const GridPoint corner = in_.tree.corner(node.address);
         const int64_t side = in_.tree.side(node.address.level);
         const quadtree::GridBox& city = in_.objects.extent();
-        const auto edge = [](int64_t value) { return value + 1; };  // never empty, also for a city thinner than the grid
+        const auto edge = [](int64_t value) {
+            return value + 1;
+        };  // never empty, also for a city thinner than the grid
         const int64_t x0 = std::max(corner.x, city.lo.x), x1 = std::max(edge(x0), std::min(corner.x + side, city.hi.x));
         const int64_t y0 = std::max(corner.y, city.lo.y), y1 = std::max(edge(y0), std::min(corner.y + side, city.hi.y));
         BuildObject ground;
@@ -196,7 +202,8 @@ class Pipeline {
                 }
                 all.objects.push_back(std::move(object));
             }
-            std::move(content->ground_pictures.begin(), content->ground_pictures.end(), std::back_inserter(all.ground_pictures));
+            std::move(content->ground_pictures.begin(), content->ground_pictures.end(),
+                      std::back_inserter(all.ground_pictures));
         }
         return all;
     }
@@ -231,6 +238,10 @@ class Pipeline {
         CoarseContent coarse = coarsen(std::move(children).value(), coarse_spec, in_.workshop);
         if (Status status = store_content(at, coarse.content); !status) return status;
         spec.geometric_error = coarse.error;
+        for (const BuildObject& object : coarse.content.objects) {
+            if (object.ground())
+                spec.skirt_metres = std::max(spec.skirt_metres, 2 * static_cast<double>(object.error) + 1);
+        }
         EncodedTile tile = encode_tile(spec, coarse.content, in_.workshop);
         include_children(node, tile.record);
         return keep(at, std::move(tile));
@@ -278,8 +289,12 @@ class Pipeline {
 
 }  // namespace
 
-double level_error(double side_metres) { return side_metres / kPixelsAcrossTile; }
+double level_error(double side_metres) {
+    return side_metres / kPixelsAcrossTile;
+}
 
-Result<std::vector<BuiltTile>> build_tiles(const PipelineInput& input) { return Pipeline(input).run(); }
+Result<std::vector<BuiltTile>> build_tiles(const PipelineInput& input) {
+    return Pipeline(input).run();
+}
 
 }  // namespace citystream::tiles::layers

@@ -1,4 +1,5 @@
-// Passes 2 and 3 of a build: every tile of the quadtree, deepest level first, on many threads, with its layers going to a spool file.
+// Passes 2 and 3 of a build: every tile of the quadtree, deepest level first, on many threads, with its layers going to
+// a spool file.
 #pragma once
 
 #include <atomic>
@@ -17,7 +18,7 @@ namespace citystream::tiles::layers {
 struct BuiltTile {
     tileset::TileRecord record;
     std::array<quadtree::SpoolRange, tileset::kLayerCount> layers;  ///< in the layer spool
-    quadtree::SpoolRange content;                                    ///< of inner tiles, in the content spool
+    quadtree::SpoolRange content;                                   ///< of inner tiles, in the content spool
     uint64_t triangles = 0;
 };
 

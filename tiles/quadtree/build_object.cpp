@@ -45,7 +45,9 @@ class Reader {
     bool failed_ = false;
 };
 
-bool has_texcoords(const Paint& paint) { return paint.kind != PaintKind::kFlat; }
+bool has_texcoords(const Paint& paint) {
+    return paint.kind != PaintKind::kFlat;
+}
 
 /// Smallest texture coordinate of the textured triangles, in whole repeats, so that the rest fits 32 bits.
 std::array<int64_t, 2> texcoord_anchor(const BuildObject& object) {
@@ -60,7 +62,9 @@ std::array<int64_t, 2> texcoord_anchor(const BuildObject& object) {
     return anchor;
 }
 
-int32_t clamped(int64_t value) { return static_cast<int32_t>(std::clamp<int64_t>(value, INT32_MIN, INT32_MAX)); }
+int32_t clamped(int64_t value) {
+    return static_cast<int32_t>(std::clamp<int64_t>(value, INT32_MIN, INT32_MAX));
+}
 
 void serialise_triangle(const BuildObject& object, const BuildTriangle& triangle, const std::array<int64_t, 2>& anchor,
                         std::vector<std::byte>& out) {
@@ -74,7 +78,8 @@ void serialise_triangle(const BuildObject& object, const BuildTriangle& triangle
     }
 }
 
-bool read_triangle(Reader& reader, const BuildObject& object, const std::array<int64_t, 2>& anchor, BuildTriangle& triangle) {
+bool read_triangle(Reader& reader, const BuildObject& object, const std::array<int64_t, 2>& anchor,
+                   BuildTriangle& triangle) {
     triangle.vertex = reader.take<std::array<uint32_t, 3>>();
     triangle.paint = reader.take<uint16_t>();
     triangle.surface = static_cast<city::SurfaceKind>(reader.take<uint8_t>());
@@ -148,13 +153,15 @@ uint32_t BuildObject::paint_index(const Paint& paint) {
 }
 
 bool BuildObject::ground() const {
-    return kind == city::ObjectKind::kTerrain || kind == city::ObjectKind::kLandUse || kind == city::ObjectKind::kRoad ||
-           kind == city::ObjectKind::kWater;
+    return kind == city::ObjectKind::kTerrain || kind == city::ObjectKind::kLandUse ||
+           kind == city::ObjectKind::kRoad || kind == city::ObjectKind::kWater;
 }
 
 std::array<double, 3> triangle_normal(const GridPoint& a, const GridPoint& b, const GridPoint& c) {
-    const auto ux = static_cast<double>(b.x - a.x), uy = static_cast<double>(b.y - a.y), uz = static_cast<double>(b.z - a.z);
-    const auto vx = static_cast<double>(c.x - a.x), vy = static_cast<double>(c.y - a.y), vz = static_cast<double>(c.z - a.z);
+    const auto ux = static_cast<double>(b.x - a.x), uy = static_cast<double>(b.y - a.y),
+               uz = static_cast<double>(b.z - a.z);
+    const auto vx = static_cast<double>(c.x - a.x), vy = static_cast<double>(c.y - a.y),
+               vz = static_cast<double>(c.z - a.z);
     return {uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx};
 }
 
@@ -171,7 +178,8 @@ void serialise(const BuildObject& object, std::vector<std::byte>& out) {
     put(out, anchor);
     put(out, static_cast<uint32_t>(object.vertices.size()));
     for (const GridPoint& vertex : object.vertices) {
-        put(out, std::array<int32_t, 3>{clamped(vertex.x - base.x), clamped(vertex.y - base.y), clamped(vertex.z - base.z)});
+        put(out,
+            std::array<int32_t, 3>{clamped(vertex.x - base.x), clamped(vertex.y - base.y), clamped(vertex.z - base.z)});
     }
     put(out, static_cast<uint32_t>(object.paints.size()));
     for (const Paint& paint : object.paints) put(out, paint);

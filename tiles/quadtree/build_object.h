@@ -1,5 +1,5 @@
-// A city object on its way through the builder: positions on the global grid, paints instead of materials, and the error it has gathered so far.
-// The serialised form is what the spool files hold between the passes.
+// A city object on its way through the builder: positions on the global grid, paints instead of materials, and the
+// error it has gathered so far. The serialised form is what the spool files hold between the passes.
 #pragma once
 
 #include <array>
@@ -15,17 +15,22 @@
 
 namespace citystream::tiles::quadtree {
 
-/// What a triangle shows: a catalog material, a facade map seen flat, a flat colour, or the tile's own picture of its ground.
+/// What a triangle shows: a catalog material, a facade map seen flat, a flat colour, or the tile's own picture of its
+/// ground.
 enum class PaintKind : uint8_t { kFlat, kMaterial, kFacade, kGroundPicture };
 
 struct Paint {
     PaintKind kind = PaintKind::kFlat;
-    uint32_t a = 0;  ///< kFlat: r | g << 8 | b << 16 (sRGB); kMaterial: catalog index; kFacade: map; kGroundPicture: index in the tile
+    uint32_t a = 0;  ///< kFlat: r | g << 8 | b << 16 (sRGB); kMaterial: catalog index; kFacade: map; kGroundPicture:
+                     ///< index in the tile
     uint32_t b = 0;  ///< kFacade: palette
     friend auto operator<=>(const Paint&, const Paint&) = default;
 
     static Paint flat(const std::array<uint8_t, 3>& rgb) {
-        return {PaintKind::kFlat, static_cast<uint32_t>(rgb[0]) | static_cast<uint32_t>(rgb[1]) << 8 | static_cast<uint32_t>(rgb[2]) << 16, 0};
+        return {
+            PaintKind::kFlat,
+            static_cast<uint32_t>(rgb[0]) | static_cast<uint32_t>(rgb[1]) << 8 | static_cast<uint32_t>(rgb[2]) << 16,
+            0};
     }
     std::array<uint8_t, 3> rgb() const {
         return {static_cast<uint8_t>(a), static_cast<uint8_t>(a >> 8), static_cast<uint8_t>(a >> 16)};
@@ -42,8 +47,8 @@ struct BuildTriangle {
 };
 
 struct BuildFacade {
-    GridPoint origin;                   ///< absolute: lower left corner seen from outside
-    std::array<int32_t, 2> along{};     ///< to the lower right corner
+    GridPoint origin;                ///< absolute: lower left corner seen from outside
+    std::array<int32_t, 2> along{};  ///< to the lower right corner
     uint32_t height = 0;
     uint32_t map = 0, palette = 0;
 
@@ -61,8 +66,8 @@ struct GridBox {
 
 struct BuildObject {
     city::ObjectKind kind = city::ObjectKind::kOther;
-    float error = 0;              ///< metres: how far it is from the input object, at most
-    bool block = false;           ///< already an outline block
+    float error = 0;                  ///< metres: how far it is from the input object, at most
+    bool block = false;               ///< already an outline block
     std::vector<GridPoint> vertices;  ///< absolute
     std::vector<BuildTriangle> triangles;
     std::vector<Paint> paints;

@@ -8,7 +8,8 @@ namespace citystream::tiles::quadtree {
 namespace {
 
 constexpr double kGreatestMetres = 2147483648.0;
-constexpr int64_t kGreatestSpan = int64_t{1} << 30;    // grid units: 1,048 km, what 32-bit offsets hold with room to spare
+constexpr int64_t kGreatestSpan = int64_t{1}
+                                  << 30;  // grid units: 1,048 km, what 32-bit offsets hold with room to spare
 constexpr int64_t kGreatestCutCells = int64_t{1} << 22;  // ground over more cells than this is kept whole
 constexpr size_t kGreatestPaints = 65535;
 
@@ -16,7 +17,9 @@ bool placeable(const city::Vec3& p) {
     return std::abs(p.x) < kGreatestMetres && std::abs(p.y) < kGreatestMetres && std::abs(p.z) < kGreatestMetres;
 }
 
-GridPoint on_grid(const city::Vec3& p) { return {to_grid(p.x), to_grid(p.y), to_grid(p.z)}; }
+GridPoint on_grid(const city::Vec3& p) {
+    return {to_grid(p.x), to_grid(p.y), to_grid(p.z)};
+}
 
 int64_t texcoord_units(double repeats) {
     return std::isfinite(repeats) ? std::llround(std::clamp(repeats, -1e9, 1e9) * kTexcoordUnits) : 0;
@@ -37,9 +40,11 @@ bool add_triangles(const city::CityObject& object, const city::CityCatalog& cata
         if (built.paint >= kGreatestPaints) return false;
         for (size_t corner = 0; corner < 3; ++corner) {
             if (triangle.vertex[corner] >= object.vertices.size()) return false;
-            built.texcoord[corner] = {texcoord_units(triangle.texcoord[corner].x), texcoord_units(triangle.texcoord[corner].y)};
+            built.texcoord[corner] = {texcoord_units(triangle.texcoord[corner].x),
+                                      texcoord_units(triangle.texcoord[corner].y)};
         }
-        const auto n = triangle_normal(out.vertices[built.vertex[0]], out.vertices[built.vertex[1]], out.vertices[built.vertex[2]]);
+        const auto n = triangle_normal(out.vertices[built.vertex[0]], out.vertices[built.vertex[1]],
+                                       out.vertices[built.vertex[2]]);
         if (n[0] != 0 || n[1] != 0 || n[2] != 0) out.triangles.push_back(built);
     }
     return true;
@@ -47,14 +52,18 @@ bool add_triangles(const city::CityObject& object, const city::CityCatalog& cata
 
 bool add_facades(const city::CityObject& object, const city::CityCatalog& catalog, BuildObject& out) {
     for (const city::FacadeWall& wall : object.facades) {
-        const city::Vec3 far_corner{wall.lower_left.x + wall.along.x, wall.lower_left.y + wall.along.y, wall.lower_left.z + wall.height};
+        const city::Vec3 far_corner{wall.lower_left.x + wall.along.x, wall.lower_left.y + wall.along.y,
+                                    wall.lower_left.z + wall.height};
         if (!placeable(wall.lower_left) || !placeable(far_corner)) return false;
         if (wall.map >= catalog.facade_maps.size() || wall.palette >= catalog.palettes.size()) return false;
         const GridPoint a = on_grid(wall.lower_left), b = on_grid(far_corner);
         if (std::abs(b.x - a.x) > INT32_MAX || std::abs(b.y - a.y) > INT32_MAX || b.z - a.z > INT32_MAX) return false;
         if (b.z <= a.z || (a.x == b.x && a.y == b.y)) continue;  // thinner than the grid: nothing to see
-        out.facades.push_back({a, {static_cast<int32_t>(b.x - a.x), static_cast<int32_t>(b.y - a.y)}, static_cast<uint32_t>(b.z - a.z),
-                               wall.map, wall.palette});
+        out.facades.push_back({a,
+                               {static_cast<int32_t>(b.x - a.x), static_cast<int32_t>(b.y - a.y)},
+                               static_cast<uint32_t>(b.z - a.z),
+                               wall.map,
+                               wall.palette});
     }
     return true;
 }
@@ -66,7 +75,9 @@ struct CutPoint {
 };
 using CutPolygon = std::vector<CutPoint>;
 
-int64_t coordinate(const GridPoint& p, int axis) { return axis == 0 ? p.x : p.y; }
+int64_t coordinate(const GridPoint& p, int axis) {
+    return axis == 0 ? p.x : p.y;
+}
 
 /// a + (b - a) * num / den, rounded half up; den > 0.
 int64_t between(int64_t a, int64_t b, int64_t num, int64_t den) {
@@ -82,7 +93,8 @@ CutPoint crossing(const CutPoint& p, const CutPoint& q, int axis, int64_t line) 
     const bool swap = coordinate(p.position, axis) > coordinate(q.position, axis);
     const CutPoint& a = swap ? q : p;
     const CutPoint& b = swap ? p : q;
-    const int64_t num = line - coordinate(a.position, axis), den = coordinate(b.position, axis) - coordinate(a.position, axis);
+    const int64_t num = line - coordinate(a.position, axis),
+                  den = coordinate(b.position, axis) - coordinate(a.position, axis);
     CutPoint cut;
     cut.position = {between(a.position.x, b.position.x, num, den), between(a.position.y, b.position.y, num, den),
                     between(a.position.z, b.position.z, num, den)};
@@ -167,7 +179,8 @@ uint64_t morton(uint32_t x, uint32_t y) {
 std::vector<BuildObject> cut_at_cells(const BuildObject& object) {
     const GridBox box = object.box();
     const CellRange all_x = cells_of(box.lo.x, box.hi.x), all_y = cells_of(box.lo.y, box.hi.y);
-    const auto columns = static_cast<size_t>(all_x.last - all_x.first + 1), rows = static_cast<size_t>(all_y.last - all_y.first + 1);
+    const auto columns = static_cast<size_t>(all_x.last - all_x.first + 1),
+               rows = static_cast<size_t>(all_y.last - all_y.first + 1);
     std::vector<BuildObject> pieces(columns * rows);
     for (const BuildTriangle& triangle : object.triangles) {
         CutPolygon whole(3);
@@ -183,7 +196,8 @@ std::vector<BuildObject> cut_at_cells(const BuildObject& object) {
             for (int64_t y = ys.first; y <= ys.last; ++y) {
                 const CutPolygon part =
                     ys.first == ys.last ? column : cut_band(column, 1, y << kCellGridBits, (y + 1) << kCellGridBits);
-                BuildObject& piece = pieces[static_cast<size_t>(y - all_y.first) * columns + static_cast<size_t>(x - all_x.first)];
+                BuildObject& piece =
+                    pieces[static_cast<size_t>(y - all_y.first) * columns + static_cast<size_t>(x - all_x.first)];
                 piece.kind = object.kind;
                 add_polygon(piece, part, object.paints[triangle.paint], triangle.surface);
             }
@@ -218,7 +232,8 @@ Status ObjectSpool::add(const city::CityObject& object, const city::CityCatalog&
         return refuse("nothing left of it on the 1 mm grid; object left out");
     }
     const GridBox box = built.box();
-    if (box.hi.x - box.lo.x > kGreatestSpan || box.hi.y - box.lo.y > kGreatestSpan || box.hi.z - box.lo.z > kGreatestSpan) {
+    if (box.hi.x - box.lo.x > kGreatestSpan || box.hi.y - box.lo.y > kGreatestSpan ||
+        box.hi.z - box.lo.z > kGreatestSpan) {
         return refuse("wider than 1000 km; object left out");
     }
     extent_.add(box);

@@ -1,5 +1,5 @@
-// Pass 1 of a build: city objects go to a spool file on the global grid, ground cut at 64 m cells, and an index says which cell each belongs to.
-// Memory: 24 bytes an object, whatever its geometry.
+// Pass 1 of a build: city objects go to a spool file on the global grid, ground cut at 64 m cells, and an index says
+// which cell each belongs to. Memory: 24 bytes an object, whatever its geometry.
 #pragma once
 
 #include <cstdint>
@@ -27,12 +27,14 @@ class ObjectSpool {
   public:
     static Result<std::unique_ptr<ObjectSpool>> create(const std::string& folder);
 
-    /// Quantises and stores one object; what cannot be placed (coordinates that are no numbers or beyond 2^31 m) is reported and left out.
-    /// Ground that spans several cells is cut at their borders (both sides get the same points). Error: the disk.
+    /// Quantises and stores one object; what cannot be placed (coordinates that are no numbers or beyond 2^31 m) is
+    /// reported and left out. Ground that spans several cells is cut at their borders (both sides get the same points).
+    /// Error: the disk.
     Status add(const city::CityObject& object, const city::CityCatalog& catalog, city::CityReport& report);
 
-    /// Brings the index into Morton order of the cells counted from `origin` (grid units, a multiple of the cell), input order within a cell.
-    /// Cells are held inside the root of `root_cells` x `root_cells` (an object flat on its far border belongs to the last cell).
+    /// Brings the index into Morton order of the cells counted from `origin` (grid units, a multiple of the cell),
+    /// input order within a cell. Cells are held inside the root of `root_cells` x `root_cells` (an object flat on its
+    /// far border belongs to the last cell).
     void sort(const GridPoint& origin, int64_t root_cells);
 
     /// Objects [begin, end) of the sorted index.

@@ -13,7 +13,9 @@ namespace {
 
 constexpr size_t kPendingBytes = 1 << 20;
 
-Error system_error(const std::string& what, const std::string& path) { return Error{what + " " + path + ": " + std::strerror(errno)}; }
+Error system_error(const std::string& what, const std::string& path) {
+    return Error{what + " " + path + ": " + std::strerror(errno)};
+}
 
 }  // namespace
 
@@ -34,12 +36,15 @@ Result<std::unique_ptr<SpoolFile>> SpoolFile::create(const std::string& path) {
     return std::unique_ptr<SpoolFile>(new SpoolFile(descriptor, path));
 }
 
-SpoolFile::~SpoolFile() { close(descriptor_); }
+SpoolFile::~SpoolFile() {
+    close(descriptor_);
+}
 
 Status SpoolFile::flush() {
     size_t done = 0;
     while (done < pending_.size()) {
-        const ssize_t written = pwrite(descriptor_, pending_.data() + done, pending_.size() - done, static_cast<off_t>(flushed_ + done));
+        const ssize_t written =
+            pwrite(descriptor_, pending_.data() + done, pending_.size() - done, static_cast<off_t>(flushed_ + done));
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) return system_error("cannot write", path_);
         done += static_cast<size_t>(written);
@@ -71,7 +76,8 @@ Status SpoolFile::read(SpoolRange range, std::vector<std::byte>& out) {
     out.resize(begin + range.size);
     size_t done = 0;
     while (done < range.size) {
-        const ssize_t got = pread(descriptor_, out.data() + begin + done, range.size - done, static_cast<off_t>(range.offset + done));
+        const ssize_t got =
+            pread(descriptor_, out.data() + begin + done, range.size - done, static_cast<off_t>(range.offset + done));
         if (got < 0 && errno == EINTR) continue;
         if (got <= 0) return system_error("cannot read", path_);
         done += static_cast<size_t>(got);

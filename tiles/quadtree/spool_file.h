@@ -1,4 +1,5 @@
-// Temporary files of the builder: append-only blobs, read back by position. They live in one unique folder that goes away with its owner.
+// Temporary files of the builder: append-only blobs, read back by position. They live in one unique folder that goes
+// away with its owner.
 #pragma once
 
 #include <cstddef>

@@ -11,10 +11,12 @@ constexpr uint32_t kGreatestRootLog2 = 20;
 
 class Splitter {
   public:
-    Splitter(const ObjectSpool& spool, const TreeOptions& options, TileTree& tree) : spool_(spool), options_(options), tree_(tree) {
+    Splitter(const ObjectSpool& spool, const TreeOptions& options, TileTree& tree)
+        : spool_(spool), options_(options), tree_(tree) {
         weight_before_.reserve(spool.index().size() + 1);
         weight_before_.push_back(0);
-        for (const SpooledObject& object : spool.index()) weight_before_.push_back(weight_before_.back() + object.weight);
+        for (const SpooledObject& object : spool.index())
+            weight_before_.push_back(weight_before_.back() + object.weight);
     }
 
     int32_t split(tileset::TileAddress address, size_t begin, size_t end) {
@@ -24,7 +26,8 @@ class Splitter {
         node.begin = begin;
         node.end = end;
         node.weight = weight_before_[end] - weight_before_[begin];
-        node.leaf = node.weight <= options_.leaf_triangles || tree_.side(address.level) <= (int64_t{1} << kCellGridBits);
+        node.leaf =
+            node.weight <= options_.leaf_triangles || tree_.side(address.level) <= (int64_t{1} << kCellGridBits);
         tree_.nodes.push_back(node);
         if (!node.leaf) split_children(at);
         return at;
@@ -50,7 +53,8 @@ class Splitter {
         const uint32_t shift = tree_.root_side_log2 - tile.level - kCellLog2Metres;
         const uint64_t limit = (morton(tile.x, tile.y) + 1) << (2 * shift);
         const auto& index = spool_.index();
-        const auto found = std::partition_point(index.begin() + static_cast<ptrdiff_t>(begin), index.begin() + static_cast<ptrdiff_t>(end),
+        const auto found = std::partition_point(index.begin() + static_cast<ptrdiff_t>(begin),
+                                                index.begin() + static_cast<ptrdiff_t>(end),
                                                 [&](const SpooledObject& object) { return cell_key(object) < limit; });
         return static_cast<size_t>(found - index.begin());
     }
@@ -74,7 +78,8 @@ class Splitter {
 }  // namespace
 
 GridPoint TileTree::corner(tileset::TileAddress address) const {
-    return {origin.x + static_cast<int64_t>(address.x) * side(address.level), origin.y + static_cast<int64_t>(address.y) * side(address.level), 0};
+    return {origin.x + static_cast<int64_t>(address.x) * side(address.level),
+            origin.y + static_cast<int64_t>(address.y) * side(address.level), 0};
 }
 
 uint32_t TileTree::levels() const {
@@ -87,12 +92,14 @@ Result<TileTree> make_tile_tree(ObjectSpool& spool, const TreeOptions& options) 
     TileTree tree;
     const GridBox& extent = spool.extent();
     if (extent.empty()) return Error{"the city is empty: there is nothing to build"};
-    tree.origin = {(extent.lo.x >> kOriginGridBits) << kOriginGridBits, (extent.lo.y >> kOriginGridBits) << kOriginGridBits, 0};
+    tree.origin = {(extent.lo.x >> kOriginGridBits) << kOriginGridBits,
+                   (extent.lo.y >> kOriginGridBits) << kOriginGridBits, 0};
     const int64_t reach = std::max(extent.hi.x - tree.origin.x, extent.hi.y - tree.origin.y);
     while (tree.side(0) < reach) {
         if (++tree.root_side_log2 > kGreatestRootLog2) {
-            return Error{"the city is " + std::to_string(std::llround(to_metres(reach) / 1000)) +
-                         " km wide, more than the 1048 km that a quadtree can hold; look for stray coordinates or build parts"};
+            return Error{
+                "the city is " + std::to_string(std::llround(to_metres(reach) / 1000)) +
+                " km wide, more than the 1048 km that a quadtree can hold; look for stray coordinates or build parts"};
         }
     }
     spool.sort(tree.origin, tree.side(0) >> kCellGridBits);

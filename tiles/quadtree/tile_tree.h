@@ -12,10 +12,10 @@ namespace citystream::tiles::quadtree {
 
 struct TileNode {
     tileset::TileAddress address;
-    size_t begin = 0, end = 0;                        ///< objects of the sorted index below this tile
+    size_t begin = 0, end = 0;                           ///< objects of the sorted index below this tile
     std::array<int32_t, 4> children = {-1, -1, -1, -1};  ///< indices of nodes
     bool leaf = true;
-    uint64_t weight = 0;                              ///< triangles below it
+    uint64_t weight = 0;  ///< triangles below it
 };
 
 struct TreeOptions {

@@ -7,8 +7,12 @@
 namespace citystream::client {
 namespace {
 
-std::vector<uint32_t> words(size_t count) { return std::vector<uint32_t>(count, 7); }
-std::vector<std::byte> bytes(size_t count) { return std::vector<std::byte>(count, std::byte{1}); }
+std::vector<uint32_t> words(size_t count) {
+    return std::vector<uint32_t>(count, 7);
+}
+std::vector<std::byte> bytes(size_t count) {
+    return std::vector<std::byte>(count, std::byte{1});
+}
 
 TEST(HostLayerStore, CountsSlotsRoundedUpAndRefusesWhatDoesNotFit) {
     HostLayerStore store(4 * 64, 64, true);

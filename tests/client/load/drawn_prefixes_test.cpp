@@ -15,7 +15,8 @@ using tiles::tileset::TileRecord;
 class DrawnPrefixesTest : public testing::Test {
   protected:
     void SetUp() override {
-        for (const auto& path : {std::string("tileset.json"), tiles::tileset::subtree_path({})}) index_.learn(path, city_.entries().at(path));
+        for (const auto& path : {std::string("tileset.json"), tiles::tileset::subtree_path({})})
+            index_.learn(path, city_.entries().at(path));
     }
     /// A draw of the first steps of a tile, its words in the store.
     TileDraw draw_of(const TileRecord& record, size_t mesh_steps, bool atlas) {
@@ -23,10 +24,12 @@ class DrawnPrefixesTest : public testing::Test {
         TileDraw draw;
         draw.origin = {to_metres(origin.x), to_metres(origin.y), to_metres(origin.z)};
         draw.mesh = store_.create();
-        for (size_t i = 0; i < mesh_steps; ++i) draw.mesh_step_words.push_back(record.steps(Layer::kMesh)[i].decoded_bytes / 4);
+        for (size_t i = 0; i < mesh_steps; ++i)
+            draw.mesh_step_words.push_back(record.steps(Layer::kMesh)[i].decoded_bytes / 4);
         if (!atlas) return draw;
         draw.atlas = store_.create();
-        EXPECT_TRUE(store_.append(draw.atlas, std::vector<uint32_t>(record.steps(Layer::kAtlas)[0].decoded_bytes / 4)).ok());
+        EXPECT_TRUE(
+            store_.append(draw.atlas, std::vector<uint32_t>(record.steps(Layer::kAtlas)[0].decoded_bytes / 4)).ok());
         return draw;
     }
     void note(const std::vector<TileDraw>& draws) {
@@ -79,7 +82,8 @@ TEST_F(DrawnPrefixesTest, UnknownTilesAreLeftOut) {
 TEST(AddressInPath, ReadsOnlyWholeAddresses) {
     EXPECT_EQ(address_in_path("tiles/3/1/2.mesh", "tiles"), (TileAddress{3, 1, 2}));
     EXPECT_EQ(address_in_path("subtrees/0/0/0.subtree", "subtrees"), (TileAddress{0, 0, 0}));
-    for (const char* other : {"tiles/3/1.mesh", "tiles/3/1/2", "tiles/a/1/2.mesh", "tileset.json", "facades/maps", "tiles", "tiles/3/1/99999999999.mesh"}) {
+    for (const char* other : {"tiles/3/1.mesh", "tiles/3/1/2", "tiles/a/1/2.mesh", "tileset.json", "facades/maps",
+                              "tiles", "tiles/3/1/99999999999.mesh"}) {
         EXPECT_FALSE(address_in_path(other, "tiles")) << other;
     }
 }

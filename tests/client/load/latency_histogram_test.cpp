@@ -33,7 +33,8 @@ TEST(LatencyHistogram, KeepsEveryPercentileWithinOnePercent) {
         for (const double percent : {0.1, 1.0, 10.0, 50.0, 90.0, 99.0, 99.9, 99.99}) {
             const auto rank = static_cast<size_t>(std::ceil(percent / 100 * static_cast<double>(values.size())));
             const auto exact = static_cast<double>(values[rank - 1]);
-            EXPECT_NEAR(static_cast<double>(histogram.percentile(percent).count()), exact, 0.01 * exact) << percent << " % at spread " << spread;
+            EXPECT_NEAR(static_cast<double>(histogram.percentile(percent).count()), exact, 0.01 * exact)
+                << percent << " % at spread " << spread;
         }
         EXPECT_EQ(histogram.percentile(100), histogram.max());
     }
@@ -67,7 +68,9 @@ TEST(LatencyHistogram, NeverErrsByMoreThanOnePercentAtAnyPowerOfTwo) {
             LatencyHistogram histogram;
             histogram.record(nanoseconds(value));
             histogram.record(nanoseconds::max());
-            EXPECT_NEAR(static_cast<double>(histogram.percentile(50).count()), static_cast<double>(value), 0.01 * static_cast<double>(value)) << value;
+            EXPECT_NEAR(static_cast<double>(histogram.percentile(50).count()), static_cast<double>(value),
+                        0.01 * static_cast<double>(value))
+                << value;
         }
     }
 }

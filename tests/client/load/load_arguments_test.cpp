@@ -10,7 +10,8 @@ TEST(LoadArguments, ReadDurations) {
     EXPECT_DOUBLE_EQ(*parse_load_duration("250ms"), 0.25);
     EXPECT_DOUBLE_EQ(*parse_load_duration("1.5"), 1.5);
     EXPECT_DOUBLE_EQ(*parse_load_duration("2m"), 120);
-    for (const char* bad : {"", "s", "0", "-1s", "inf", "nan", "30 s", "25h", "1d"}) EXPECT_FALSE(parse_load_duration(bad).ok()) << bad;
+    for (const char* bad : {"", "s", "0", "-1s", "inf", "nan", "30 s", "25h", "1d"})
+        EXPECT_FALSE(parse_load_duration(bad).ok()) << bad;
 }
 
 TEST(LoadArguments, ReadAmountsOfMemory) {
@@ -18,12 +19,14 @@ TEST(LoadArguments, ReadAmountsOfMemory) {
     EXPECT_EQ(*parse_load_bytes("1.5KiB"), 1536u);
     EXPECT_EQ(*parse_load_bytes("2MB"), 2'000'000u);
     EXPECT_EQ(*parse_load_bytes("77"), 77u);
-    for (const char* bad : {"", "MiB", "0", "-1MiB", "1TiB", "1 MiB", "1e300", "nan"}) EXPECT_FALSE(parse_load_bytes(bad).ok()) << bad;
+    for (const char* bad : {"", "MiB", "0", "-1MiB", "1TiB", "1 MiB", "1e300", "nan"})
+        EXPECT_FALSE(parse_load_bytes(bad).ok()) << bad;
 }
 
 TEST(LoadArguments, ReadPictureSizes) {
     EXPECT_EQ(*parse_load_size("1280x720"), (std::pair<uint32_t, uint32_t>(1280, 720)));
-    for (const char* bad : {"", "1280", "1280x", "x720", "0x720", "1280x720x1", "1280*720", "20000x1", "-1x5"}) EXPECT_FALSE(parse_load_size(bad).ok()) << bad;
+    for (const char* bad : {"", "1280", "1280x", "x720", "0x720", "1280x720x1", "1280*720", "20000x1", "-1x5"})
+        EXPECT_FALSE(parse_load_size(bad).ok()) << bad;
 }
 
 }  // namespace

@@ -25,7 +25,8 @@ class LoadRun : public testing::Test {
         options_.ramp_seconds = 0.1;
         options_.threads = 2;
         // Hovers above the middle and looks down: sees all four children at full quality.
-        for (const double t : {0.0, 10.0}) path_.samples.push_back({t, 1000.0 * 128 + 64, 2000.0 * 128 + 64, 160, t, -89, 60});
+        for (const double t : {0.0, 10.0})
+            path_.samples.push_back({t, 1000.0 * 128 + 64, 2000.0 * 128 + 64, 160, t, -89, 60});
     }
     LoadOutcome run() { return run_load(options_, path_, stop_, nullptr); }
 

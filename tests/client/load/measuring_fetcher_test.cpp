@@ -34,7 +34,8 @@ struct Recorder final : FetchObserver {
         bool cancelled;
     };
     void on_submit(const FetchRequest& request, LoadClock::time_point) override { submitted.push_back(request.path); }
-    void on_result(const FetchRequest& request, LoadClock::time_point intended, const FetchResult& result, LoadClock::time_point seen) override {
+    void on_result(const FetchRequest& request, LoadClock::time_point intended, const FetchResult& result,
+                   LoadClock::time_point seen) override {
         results.push_back({request.path, seen - intended, result.cancelled});
     }
     std::vector<std::string> submitted;

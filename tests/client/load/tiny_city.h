@@ -1,4 +1,5 @@
-// A city of a root and four children with mesh and atlas layers whose bytes no one decodes: enough for clients that only count.
+// A city of a root and four children with mesh and atlas layers whose bytes no one decodes: enough for clients that
+// only count.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,7 +26,8 @@ class TinyCity {
   public:
     TinyCity() {
         static std::atomic<int> counter{0};
-        folder_ = std::filesystem::temp_directory_path() / ("citystream-load-test-" + std::to_string(::getpid()) + "-" + std::to_string(counter++));
+        folder_ = std::filesystem::temp_directory_path() /
+                  ("citystream-load-test-" + std::to_string(::getpid()) + "-" + std::to_string(counter++));
         std::filesystem::create_directories(folder_);
         make_records();
         write();
@@ -52,13 +54,15 @@ class TinyCity {
         return bytes;
     }
     void add_layer(tiles::tileset::TileRecord& record, Layer layer, std::vector<float> errors) {
-        const uint32_t seed = record.address.level * 100 + record.address.x * 10 + record.address.y * 3 + static_cast<uint32_t>(layer);
+        const uint32_t seed =
+            record.address.level * 100 + record.address.x * 10 + record.address.y * 3 + static_cast<uint32_t>(layer);
         const auto bytes = content(seed, kStepBytes * errors.size());
         auto& steps = record.steps(layer);
         for (size_t i = 0; i < errors.size(); ++i) {
             const uint64_t end = (i + 1) * kStepBytes;
             // Decoded sizes differ from tile to tile, as they do in a city.
-            steps.push_back({end, static_cast<uint32_t>(4000 + 40 * (seed % 97) + 4 * i), errors[i], tiles::tileset::checksum_of(bytes.data() + i * kStepBytes, kStepBytes)});
+            steps.push_back({end, static_cast<uint32_t>(4000 + 40 * (seed % 97) + 4 * i), errors[i],
+                             tiles::tileset::checksum_of(bytes.data() + i * kStepBytes, kStepBytes)});
             manifest_.wire_bytes[static_cast<size_t>(layer)] += kStepBytes;
             manifest_.decoded_bytes[static_cast<size_t>(layer)] += steps.back().decoded_bytes;
         }

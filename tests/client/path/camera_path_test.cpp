@@ -8,7 +8,9 @@
 namespace citystream::client {
 namespace {
 
-Result<CameraPath> parse(const std::string& text) { return parse_camera_path(std::span(text.data(), text.size())); }
+Result<CameraPath> parse(const std::string& text) {
+    return parse_camera_path(std::span(text.data(), text.size()));
+}
 
 const std::string kHeader = "t,x,y,z,yaw,pitch,fov\n";
 
@@ -32,13 +34,13 @@ TEST(CameraPath, NamesLineAndColumnOfABadNumber) {
 }
 
 TEST(CameraPath, RejectsWhatIsNoPath) {
-    for (const std::string& bad : {std::string(), std::string("\n\n"), kHeader, std::string("t,x,y,z,yaw,pitch\n0,0,0,0,0,0\n"),
-                                   std::string("t,x,y,z,yaw,pitch,roll\n0,0,0,0,0,0,0\n"),
-                                   std::string("t,t,y,z,yaw,pitch,fov\n0,0,0,0,0,0,60\n"), kHeader + "0,nan,0,0,0,0,60\n",
-                                   kHeader + "0,0,inf,0,0,0,60\n", kHeader + "0,1e300,0,0,0,0,60\n",
-                                   kHeader + "0,0,0,0,0,95,60\n", kHeader + "0,0,0,0,0,0,0\n", kHeader + "0,0,0,0,0,0,180\n",
-                                   kHeader + "0,0,0,0,0,0\n", kHeader + "0,0,0,0,0,0,60,7\n", kHeader + "0,,0,0,0,0,60\n",
-                                   kHeader + "0,1.5x,0,0,0,0,60\n"}) {
+    for (const std::string& bad :
+         {std::string(), std::string("\n\n"), kHeader, std::string("t,x,y,z,yaw,pitch\n0,0,0,0,0,0\n"),
+          std::string("t,x,y,z,yaw,pitch,roll\n0,0,0,0,0,0,0\n"),
+          std::string("t,t,y,z,yaw,pitch,fov\n0,0,0,0,0,0,60\n"), kHeader + "0,nan,0,0,0,0,60\n",
+          kHeader + "0,0,inf,0,0,0,60\n", kHeader + "0,1e300,0,0,0,0,60\n", kHeader + "0,0,0,0,0,95,60\n",
+          kHeader + "0,0,0,0,0,0,0\n", kHeader + "0,0,0,0,0,0,180\n", kHeader + "0,0,0,0,0,0\n",
+          kHeader + "0,0,0,0,0,0,60,7\n", kHeader + "0,,0,0,0,0,60\n", kHeader + "0,1.5x,0,0,0,0,60\n"}) {
         EXPECT_FALSE(parse(bad)) << bad;
     }
 }

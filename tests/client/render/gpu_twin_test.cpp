@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "client/render/device_choice.h"
-#include "client/render/frame_records.h"
+#include "client/render/frame_constants.h"
 #include "client/render/pipelines.h"
 #include "client/render/twin_layout.h"
 #include "codec/mesh/octahedral.h"
@@ -51,8 +51,8 @@ class GpuTwin : public testing::Test {
     }
 
     // Runs a twin pass over `layer`; returns count * words_each words.
-    std::vector<uint32_t> run(std::span<const uint32_t> code, LayerId layer, TwinConstants constants, uint32_t words_each,
-                              std::span<const uint32_t> input = {}) {
+    std::vector<uint32_t> run(std::span<const uint32_t> code, LayerId layer, TwinConstants constants,
+                              uint32_t words_each, std::span<const uint32_t> input = {}) {
         const Buffer in = host_buffer(input.size_bytes());
         if (!input.empty()) std::memcpy(in.mapped, input.data(), input.size_bytes());
         const Buffer out = host_buffer(uint64_t{4} * constants.count * words_each);
@@ -119,10 +119,12 @@ void expect_same_corners(const codec::mesh::MeshLayerView& view, const std::vect
         codec::mesh::unfold_octahedral16(view.packed_normal(vertex), normal);
         view.texcoord(vertex, corner / 3, texcoord);
         ASSERT_EQ(words[0], vertex) << "corner " << corner;
-        for (size_t c = 0; c < 3; ++c) ASSERT_EQ(static_cast<int32_t>(words[1 + c]), position[c]) << "corner " << corner;
+        for (size_t c = 0; c < 3; ++c)
+            ASSERT_EQ(static_cast<int32_t>(words[1 + c]), position[c]) << "corner " << corner;
         ASSERT_EQ(words[4], view.packed_normal(vertex));
         for (size_t c = 0; c < 3; ++c) ASSERT_EQ(static_cast<int32_t>(words[5 + c]), normal[c]) << "corner " << corner;
-        for (size_t c = 0; c < 2; ++c) ASSERT_EQ(static_cast<int32_t>(words[8 + c]), texcoord[c]) << "corner " << corner;
+        for (size_t c = 0; c < 2; ++c)
+            ASSERT_EQ(static_cast<int32_t>(words[8 + c]), texcoord[c]) << "corner " << corner;
         ASSERT_EQ(words[10], view.atlas_chart(corner / 3));
     }
 }
@@ -168,14 +170,16 @@ TEST_F(GpuTwin, EveryPackedNormalUnfoldsToTheSameIntegers) {
     constants.count = static_cast<uint32_t>(tile.indices.size());
     constants.first = static_cast<uint32_t>(steps.size());
     for (size_t s = 1; s < steps.size(); ++s) {
-        constants.mesh_step_begin[s] = constants.mesh_step_begin[s - 1] + static_cast<uint32_t>(steps[s - 1].words.size());
+        constants.mesh_step_begin[s] =
+            constants.mesh_step_begin[s - 1] + static_cast<uint32_t>(steps[s - 1].words.size());
     }
     expect_same_corners(*view, run(k_twin_mesh_comp, upload_words(words, true), constants, TWIN_MESH_WORDS));
 }
 
 TEST_F(GpuTwin, AtlasTexelsAreTheSameBytes) {
     Random random;
-    std::vector<codec::atlas::ChartImage> charts = {test_chart(1, 1), test_chart(130, 67), test_chart(5, 64), test_chart(64, 64)};
+    std::vector<codec::atlas::ChartImage> charts = {test_chart(1, 1), test_chart(130, 67), test_chart(5, 64),
+                                                    test_chart(64, 64)};
     for (uint8_t& byte : charts[1].rgb) byte = static_cast<uint8_t>(random.next());
     const LayerSteps steps = codec::atlas::encode_atlas(charts);
     const std::vector<uint32_t> words = joined(steps);
@@ -194,7 +198,8 @@ TEST_F(GpuTwin, AtlasTexelsAreTheSameBytes) {
             for (uint32_t i = 0; i < width * height; ++i) {
                 uint8_t rgb[3];
                 view->texel(chart, mip, i % width, i / width, rgb);
-                ASSERT_EQ(gpu[i], static_cast<uint32_t>(rgb[0] | rgb[1] << 8 | rgb[2] << 16)) << "chart " << chart << " mip " << mip;
+                ASSERT_EQ(gpu[i], static_cast<uint32_t>(rgb[0] | rgb[1] << 8 | rgb[2] << 16))
+                    << "chart " << chart << " mip " << mip;
             }
         }
     }
@@ -205,7 +210,8 @@ codec::facade::FacadeImage random_facade(Random& random, uint32_t width, uint32_
                                      std::vector<uint8_t>(size_t{width} * height, 0)};
     for (uint32_t box = 0; box < boxes; ++box) {
         const uint32_t x0 = random.below(width), y0 = random.below(height);
-        const uint32_t x1 = std::min(width, x0 + 1 + random.below(width / 3)), y1 = std::min(height, y0 + 1 + random.below(height / 3));
+        const uint32_t x1 = std::min(width, x0 + 1 + random.below(width / 3)),
+                       y1 = std::min(height, y0 + 1 + random.below(height / 3));
         const auto depth = static_cast<int16_t>(random.between(-300, 400));
         const auto material = static_cast<uint8_t>(random.below(16));
         for (uint32_t y = y0; y < y1; ++y) {
@@ -218,8 +224,8 @@ codec::facade::FacadeImage random_facade(Random& random, uint32_t width, uint32_
     return image;
 }
 
-// Least distance, in texels or tenths of a millimetre, that the ray keeps from every decision of the walk: breaks and the four lines of a
-// cell's box near the hit. Rays that come closer may be told apart differently in float.
+// Least distance, in texels or tenths of a millimetre, that the ray keeps from every decision of the walk: breaks and
+// the four lines of a cell's box near the hit. Rays that come closer may be told apart differently in float.
 bool same_hit_nearby(const codec::facade::FacadeMapView& map, const double origin[3], const double direction[3],
                      const codec::facade::FacadeRayHit& want, bool hit, uint32_t label) {
     for (const double du : {-1e-3, 1e-3}) {
@@ -227,7 +233,8 @@ bool same_hit_nearby(const codec::facade::FacadeMapView& map, const double origi
             for (const double dw : {-1e-2, 1e-2}) {
                 const double moved[3] = {origin[0] + du, origin[1] + dv, origin[2] + dw};
                 const codec::facade::FacadeRayHit other = codec::facade::cast_facade_ray(map, moved, direction);
-                if (other.hit == hit && (!hit || other.label == label)) return other.hit != want.hit || other.label != want.label;
+                if (other.hit == hit && (!hit || other.label == label))
+                    return other.hit != want.hit || other.label != want.label;
             }
         }
     }
@@ -238,7 +245,8 @@ TEST_F(GpuTwin, FacadeRaysHitTheSameLabels) {
     Random random;
     uint64_t rays = 0, near_breaks = 0, wrong = 0, hits = 0;
     for (uint32_t scene = 0; scene < 6; ++scene) {
-        const codec::facade::FacadeImage image = random_facade(random, 200 + 150 * scene, 300 + 100 * scene, scene * 12);
+        const codec::facade::FacadeImage image =
+            random_facade(random, 200 + 150 * scene, 300 + 100 * scene, scene * 12);
         const auto words = codec::facade::encode_facade_map(image);
         ASSERT_TRUE(words.ok());
         const auto map = codec::facade::FacadeMapView::create(*words);
@@ -247,16 +255,20 @@ TEST_F(GpuTwin, FacadeRaysHitTheSameLabels) {
         std::vector<uint32_t> input;
         for (uint32_t i = 0; i < kRays; ++i) {
             const double width = image.width, height = image.height;
-            const float origin[3] = {static_cast<float>((random.unit() * 1.6 - 0.3) * width), static_cast<float>((random.unit() * 1.6 - 0.3) * height),
+            const float origin[3] = {static_cast<float>((random.unit() * 1.6 - 0.3) * width),
+                                     static_cast<float>((random.unit() * 1.6 - 0.3) * height),
                                      static_cast<float>(random.unit() * 3000 - 500)};
-            const float target[3] = {static_cast<float>(random.unit() * width), static_cast<float>(random.unit() * height),
+            const float target[3] = {static_cast<float>(random.unit() * width),
+                                     static_cast<float>(random.unit() * height),
                                      static_cast<float>(random.unit() * 400 - 200)};
             for (const float c : origin) input.push_back(std::bit_cast<uint32_t>(c));
-            for (size_t c = 0; c < 3; ++c) input.push_back(std::bit_cast<uint32_t>(i % 50 == c ? 0.0f : target[c] - origin[c]));
+            for (size_t c = 0; c < 3; ++c)
+                input.push_back(std::bit_cast<uint32_t>(i % 50 == c ? 0.0f : target[c] - origin[c]));
         }
         TwinConstants constants{};
         constants.count = kRays;
-        const std::vector<uint32_t> gpu = run(k_twin_facade_comp, upload_words(*words, scene % 2 == 0), constants, TWIN_HIT_WORDS, input);
+        const std::vector<uint32_t> gpu =
+            run(k_twin_facade_comp, upload_words(*words, scene % 2 == 0), constants, TWIN_HIT_WORDS, input);
         for (uint32_t i = 0; i < kRays; ++i) {
             double ray[6];
             for (size_t c = 0; c < 6; ++c) ray[c] = static_cast<double>(std::bit_cast<float>(input[size_t{i} * 6 + c]));
@@ -271,8 +283,10 @@ TEST_F(GpuTwin, FacadeRaysHitTheSameLabels) {
                 const double length = std::abs(ray[3]) + std::abs(ray[4]) + std::abs(ray[5]) / 10;
                 if (std::abs(t - want.t) * length < 0.01) continue;
             }
-            if (same_hit_nearby(*map, ray, ray + 3, want, hit, got[2])) ++near_breaks;
-            else ++wrong;
+            if (same_hit_nearby(*map, ray, ray + 3, want, hit, got[2]))
+                ++near_breaks;
+            else
+                ++wrong;
         }
     }
     EXPECT_GE(rays, 100000u);

@@ -19,7 +19,9 @@ void keep(const FrameImage& image, const std::string& name) {
     EXPECT_TRUE(write_png(std::string(folder) + "/" + name + ".png", image).ok());
 }
 
-double dot(const Vec3& a, const Vec3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+double dot(const Vec3& a, const Vec3& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
 
 // Direction through a point of the picture (pixels from the top left), view distance 1.
 Vec3 ray_through(const Camera& camera, double x, double y) {
@@ -57,14 +59,19 @@ struct Sampler {
                 const double wx = i == 0 ? 1 - (x - std::floor(x)) : x - std::floor(x);
                 const double wy = j == 0 ? 1 - (y - std::floor(y)) : y - std::floor(y);
                 uint8_t rgb[3];
-                atlas.texel(chart, level, static_cast<uint32_t>(wrap(std::floor(x) + i, width, (atlas.flags(chart) & ATLAS_CHART_REPEAT_U) != 0)),
-                            static_cast<uint32_t>(wrap(std::floor(y) + j, height, (atlas.flags(chart) & ATLAS_CHART_REPEAT_V) != 0)), rgb);
+                atlas.texel(chart, level,
+                            static_cast<uint32_t>(
+                                wrap(std::floor(x) + i, width, (atlas.flags(chart) & ATLAS_CHART_REPEAT_U) != 0)),
+                            static_cast<uint32_t>(
+                                wrap(std::floor(y) + j, height, (atlas.flags(chart) & ATLAS_CHART_REPEAT_V) != 0)),
+                            rgb);
                 for (size_t c = 0; c < 3; ++c) sum[c] += wx * wy * rgb[c];
             }
         }
         return sum;
     }
-    Vec3 operator()(const std::array<double, 2>& uv, const std::array<double, 2>& dx, const std::array<double, 2>& dy) const {
+    Vec3 operator()(const std::array<double, 2>& uv, const std::array<double, 2>& dx,
+                    const std::array<double, 2>& dy) const {
         const double w = atlas.width(chart), h = atlas.height(chart);
         const double rho = std::max(std::hypot(dx[0] * w, dx[1] * h), std::hypot(dy[0] * w, dy[1] * h));
         const double last = atlas.mip_count(chart) - 1.0;
@@ -94,11 +101,13 @@ FrameImage picture(const Camera& camera, const std::function<Vec3(double, double
 const Vec3 kSkyColour = {SKY_R * 255, SKY_G * 255, SKY_B * 255};
 
 // Ground quad of 16 x 16 m at z = 0 that shows `repeats` of its chart a side.
-void expect_quad_like_cpu(bool repeat, int32_t repeats, size_t atlas_steps, const Camera& camera, const std::string& name) {
+void expect_quad_like_cpu(bool repeat, int32_t repeats, size_t atlas_steps, const Camera& camera,
+                          const std::string& name) {
     const auto renderer = make_renderer();
     ASSERT_NE(renderer, nullptr);
     codec::mesh::MeshTile mesh;
-    add_quad(mesh, {{{0, 0, 0}, {16 << 10, 0, 0}, {16 << 10, 16 << 10, 0}, {0, 16 << 10, 0}}}, {0, 0, 1}, 1, repeats, repeats);
+    add_quad(mesh, {{{0, 0, 0}, {16 << 10, 0, 0}, {16 << 10, 16 << 10, 0}, {0, 16 << 10, 0}}}, {0, 0, 1}, 1, repeats,
+             repeats);
     const std::vector<codec::atlas::ChartImage> charts = {test_chart(1, 1), test_chart(256, 128, repeat)};
     TileDraw tile = upload_tile(*renderer, mesh, {});
     const LayerSteps steps = codec::atlas::encode_atlas(charts);
@@ -171,11 +180,13 @@ struct FacadeScene {
 FacadeScene facade_scene(LayerStore& store) {
     FacadeScene scene;
     scene.map_words = *codec::facade::encode_facade_map(window_facade());
-    std::vector<codec::atlas::ChartImage> charts = {test_chart(64, 64), test_chart(32, 32), test_chart(128, 32), test_chart(16, 16)};
+    std::vector<codec::atlas::ChartImage> charts = {test_chart(64, 64), test_chart(32, 32), test_chart(128, 32),
+                                                    test_chart(16, 16)};
     const LayerSteps atlas = codec::atlas::encode_atlas(charts);
     scene.atlas_words = joined(atlas);
     scene.atlas_sizes = step_words(atlas);
-    for (uint32_t slot = 0; slot < FACADE_PALETTE_SLOTS; ++slot) scene.palette.slots[slot] = {slot % 4, 0.5f + 0.25f * static_cast<float>(slot % 4)};
+    for (uint32_t slot = 0; slot < FACADE_PALETTE_SLOTS; ++slot)
+        scene.palette.slots[slot] = {slot % 4, 0.5f + 0.25f * static_cast<float>(slot % 4)};
     codec::facade::FacadeTile layer;
     layer.placements.push_back({{0, 0, 0}, {6 << 10, 0}, 4 << 10, 7, 0});
     layer.palettes.push_back(scene.palette);
@@ -238,8 +249,10 @@ TEST(FacadeImage, LooksLikeRaysCastOnTheCpu) {
     EXPECT_FALSE(renderer->has_facade_pipeline());
     const FacadeScene scene = facade_scene(*renderer);
     const std::vector<std::pair<std::string, Camera>> views = {
-        {"facade_front", make_camera({3, -5, 2}, 0, 0)},      {"facade_left", make_camera({-2, -3, 3}, 55, -10)},
-        {"facade_right_low", make_camera({7, -2, 0.3}, -50, 20)}, {"facade_inside_box", make_camera({1.4, -0.1, 2}, 30, 5)},
+        {"facade_front", make_camera({3, -5, 2}, 0, 0)},
+        {"facade_left", make_camera({-2, -3, 3}, 55, -10)},
+        {"facade_right_low", make_camera({7, -2, 0.3}, -50, 20)},
+        {"facade_inside_box", make_camera({1.4, -0.1, 2}, 30, 5)},
         {"facade_far", make_camera({-30, -90, 30}, 20, -17, 320, 240, 8)}};
     for (const auto& [name, camera] : views) {
         const FrameImage gpu = draw_or_fail(*renderer, camera, std::span(&scene.tile, 1));
@@ -252,7 +265,7 @@ TEST(FacadeImage, LooksLikeRaysCastOnTheCpu) {
     EXPECT_EQ(renderer->validation_messages(), 0u);
 }
 
-// Four equal walls around a block, flat or with relief, and a roof: from outside no pixel between them shows the background.
+// Four equal walls around a block, a roof and the ground: from outside no pixel between them shows the background.
 TEST(FacadeImage, CornersOfABuildingHaveNoGaps) {
     RendererOptions options = small_options();
     options.background = {1, 0, 1, 1};
@@ -271,7 +284,10 @@ TEST(FacadeImage, CornersOfABuildingHaveNoGaps) {
     scene.tile.facade = upload(*renderer, joined(codec::facade::encode_facades(layer)));
     scene.tile.facade_placements = 4;
     codec::mesh::MeshTile roof;
-    add_quad(roof, {{{0, 0, kHeight}, {kSide, 0, kHeight}, {kSide, kSide, kHeight}, {0, kSide, kHeight}}}, {0, 0, 1}, 0);
+    add_quad(roof, {{{0, 0, kHeight}, {kSide, 0, kHeight}, {kSide, kSide, kHeight}, {0, kSide, kHeight}}}, {0, 0, 1},
+             0);
+    // The ground behind doors that reach down to it.
+    add_quad(roof, {{{0, 0, 0}, {kSide, 0, 0}, {kSide, kSide, 0}, {0, kSide, 0}}}, {0, 0, 1}, 0);
     TileDraw tile = upload_tile(*renderer, roof, {});
     tile.facade = scene.tile.facade;
     tile.facade_placements = 4;

@@ -57,7 +57,8 @@ inline Camera make_camera(std::array<double, 3> position, double yaw, double pit
 
 inline std::vector<uint32_t> step_words(const LayerSteps& steps, size_t count = 99) {
     std::vector<uint32_t> words;
-    for (size_t i = 0; i < std::min(count, steps.size()); ++i) words.push_back(static_cast<uint32_t>(steps[i].words.size()));
+    for (size_t i = 0; i < std::min(count, steps.size()); ++i)
+        words.push_back(static_cast<uint32_t>(steps[i].words.size()));
     return words;
 }
 
@@ -84,7 +85,9 @@ struct Random {
         return static_cast<uint32_t>(state >> 32);
     }
     uint32_t below(uint32_t limit) { return static_cast<uint32_t>(uint64_t{next()} * limit >> 32); }
-    int32_t between(int32_t low, int32_t high) { return low + static_cast<int32_t>(below(static_cast<uint32_t>(high - low + 1))); }
+    int32_t between(int32_t low, int32_t high) {
+        return low + static_cast<int32_t>(below(static_cast<uint32_t>(high - low + 1)));
+    }
     double unit() { return next() / 4294967296.0; }
 };
 

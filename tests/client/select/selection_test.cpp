@@ -50,7 +50,8 @@ World& world() {
     return instance;
 }
 
-/// The rule read straight from DESIGN.md: a visible tile is drawn when no ancestor is good enough and it is good enough itself, or a leaf.
+/// The rule read straight from DESIGN.md: a visible tile is drawn when no ancestor is good enough and it is good enough
+/// itself, or a leaf.
 bool chosen_by_the_rule(const SyntheticCity& city, const Camera& camera, const TileRecord& record, double tolerance) {
     const auto error = [&](const TileRecord& tile) {
         const double d = std::max(camera.distance_to(tile.bounds, city.origin()), camera.near_plane);
@@ -182,7 +183,8 @@ TEST(Selection, HoldsTheHostBudgetToo) {
 TEST(Selection, LeavesFarTilesOutOnlyWhenNothingCoarserIsLeft) {
     World& all = world();
     Selector selector(all.directory, all.knowledge);
-    const Selection none = selector.select_within(all.city.camera(512, 100, 30, 0, -15), 1.0, {1024, 1, ~uint64_t{0}, 0});
+    const Selection none =
+        selector.select_within(all.city.camera(512, 100, 30, 0, -15), 1.0, {1024, 1, ~uint64_t{0}, 0});
     EXPECT_FALSE(none.fits);
     EXPECT_LE(none.cost.slots, 1u);
 }
@@ -229,10 +231,12 @@ TEST(Selection, ThousandsOfTilesAreChosenInMilliseconds) {
     for (int i = 0; i < 5; ++i) {
         const auto begin = std::chrono::steady_clock::now();
         tiles = selector.select(camera, 0.01, 4096).tiles.size();
-        best = std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+        best =
+            std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
     }
     EXPECT_GT(tiles, 2000u);
-    EXPECT_LT(best, 50.0) << "milliseconds";  // far above what is measured: a guard against the quadratic, not a benchmark
+    EXPECT_LT(best, 50.0)
+        << "milliseconds";  // far above what is measured: a guard against the quadratic, not a benchmark
     RecordProperty("tiles", static_cast<int>(tiles));
     std::printf("%zu tiles selected in %.3f ms\n", tiles, best);
 }

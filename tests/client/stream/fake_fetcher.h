@@ -1,4 +1,5 @@
-// A network that does as it is told: answers from entries in memory, in any order, damaged or missing where the test says so.
+// A network that does as it is told: answers from entries in memory, in any order, damaged or missing where the test
+// says so.
 #pragma once
 
 #include <functional>
@@ -35,11 +36,11 @@ class FakeFetcher final : public Fetcher {
     size_t per_wait = 1;
     bool random_order = false;
     std::mt19937 random{1};
-    std::vector<FetchRequest> log;           ///< every request ever submitted
+    std::vector<FetchRequest> log;  ///< every request ever submitted
     std::vector<uint64_t> cancelled_ids;
-    std::map<std::string, int> damage_times; ///< path -> how many answers to it come with a flipped byte
-    std::map<std::string, int> missing_times;///< path -> how many answers to it are errors
-    uint64_t damage_at = 0;                  ///< byte of the entry that is flipped, when the answer holds it
+    std::map<std::string, int> damage_times;   ///< path -> how many answers to it come with a flipped byte
+    std::map<std::string, int> missing_times;  ///< path -> how many answers to it are errors
+    uint64_t damage_at = 0;                    ///< byte of the entry that is flipped, when the answer holds it
 
     /// Bytes asked for since the last call, by path.
     std::map<std::string, uint64_t> take_bytes() {
@@ -70,7 +71,8 @@ class FakeFetcher final : public Fetcher {
         }
         const uint64_t begin = request.length == 0 ? 0 : request.offset;
         const uint64_t length = request.length == 0 ? entry->second.size() : request.length;
-        if (begin + length > entry->second.size()) return {request.id, Error{request.path + ": out of range"}, false, 1, 0};
+        if (begin + length > entry->second.size())
+            return {request.id, Error{request.path + ": out of range"}, false, 1, 0};
         std::vector<std::byte> bytes(entry->second.begin() + static_cast<std::ptrdiff_t>(begin),
                                      entry->second.begin() + static_cast<std::ptrdiff_t>(begin + length));
         int& damage = damage_times[request.path];

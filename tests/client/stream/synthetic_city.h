@@ -1,4 +1,5 @@
-// A small city in memory with every entry of an archive: a full quadtree whose tiles have mesh, atlas and (leaves) facades.
+// A small city in memory with every entry of an archive: a full quadtree whose tiles have mesh, atlas and (leaves)
+// facades.
 #pragma once
 
 #include <algorithm>
@@ -66,7 +67,9 @@ class SyntheticCity {
     std::map<TileAddress, std::vector<uint32_t>> maps_of_tile;
 
   private:
-    void put(const std::string& path, std::span<const std::byte> bytes) { entries[path].assign(bytes.begin(), bytes.end()); }
+    void put(const std::string& path, std::span<const std::byte> bytes) {
+        entries[path].assign(bytes.begin(), bytes.end());
+    }
 
     std::vector<std::byte> frame_of(std::span<const uint32_t> words) {
         return codec::bits::compress_frame(std::as_bytes(words), 3);
@@ -112,7 +115,8 @@ class SyntheticCity {
         for (int32_t y = 0; y <= kCells; ++y) {
             for (int32_t x = 0; x <= kCells; ++x) {
                 const int32_t wobble = (x * 7919 + y * 104729 + static_cast<int32_t>(record.address.x) * 31) % 9973;
-                mesh.vertices.push_back({{x * side / kCells, y * side / kCells, wobble}, {0, 0, 1}, {x << 16, y << 16}});
+                mesh.vertices.push_back(
+                    {{x * side / kCells, y * side / kCells, wobble}, {0, 0, 1}, {x << 16, y << 16}});
             }
         }
         for (uint32_t y = 0; y < kCells; ++y) {

@@ -243,8 +243,8 @@ TEST(MeshLayer, GoldenWordsOfOneTriangle) {
                                      0x7f7f7f7fu, 0x00007f7fu,                                     // normals
                                      0,           0x00008000u, 0x80000000u,  // texture coordinates
                                      0x00080000u, 0x00000880u}));            // positions >> 6: 0 0 0, 16 0 0, 0 16 8
-    EXPECT_EQ(steps[1].words, (std::vector<uint32_t>{0x3150534du, 0x00000303u, 0}));
-    EXPECT_EQ(steps[2].words, (std::vector<uint32_t>{0x3150534du, 0x00000003u, 0}));
+    EXPECT_EQ(steps[1].words, (std::vector<uint32_t>{0x3150534du, 0x00000303u, 0x04924924u}));
+    EXPECT_EQ(steps[2].words, (std::vector<uint32_t>{0x3150534du, 0x00000003u, 0x04924924u}));
     EXPECT_FLOAT_EQ(steps[0].error, std::sqrt(3.0f) * 63 / 1024);
     EXPECT_FLOAT_EQ(steps[1].error, std::sqrt(3.0f) * 7 / 1024);
 }

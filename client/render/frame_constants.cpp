@@ -1,4 +1,4 @@
-#include "client/render/frame_records.h"
+#include "client/render/frame_constants.h"
 
 #include <cmath>
 #include <cstring>
@@ -33,38 +33,34 @@ CameraCell camera_cell(const std::array<double, 3>& position) {
     return result;
 }
 
-FrameRecord make_frame_record(const Camera& camera, const CameraCell& cell) {
+FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell) {
     const double focal = 1.0 / std::tan(camera.fov_y / 2);
     const double aspect = static_cast<double>(camera.width) / static_cast<double>(camera.height);
-    FrameRecord record{};
-    scale_row(camera.right, focal / aspect, record.clip_x);
-    scale_row(camera.up, -focal, record.clip_y);  // Vulkan's y points down
-    scale_row(camera.forward, 1.0, record.clip_w);
-    for (size_t i = 0; i < 3; ++i) record.camera_fraction[i] = cell.fraction[i];
-    record.near_plane = static_cast<float>(camera.near_plane);
-    return record;
+    FrameConstants constants{};
+    scale_row(camera.right, focal / aspect, constants.clip_x);
+    scale_row(camera.up, -focal, constants.clip_y);  // Vulkan's y points down
+    scale_row(camera.forward, 1.0, constants.clip_w);
+    for (size_t i = 0; i < 3; ++i) constants.camera_fraction[i] = cell.fraction[i];
+    constants.near_plane = static_cast<float>(camera.near_plane);
+    return constants;
 }
 
-uint64_t FrameRecords::bound(const SlotPool& pool, std::span<const TileDraw> tiles) {
+uint64_t FrameTables::bound(const SlotPool& pool, std::span<const TileDraw> tiles) {
     uint64_t maps = 0;
     for (const TileDraw& tile : tiles) maps += tile.facade_maps.size();
-    const uint64_t record_words = sizeof(TileDrawRecord) / 4 + 2;
-    const uint64_t map_words = sizeof(FacadeMapEntry) / 4 + 2;
-    return sizeof(FrameRecord) / 4 + 2 + tiles.size() * record_words + maps * map_words + pool.slots_used * 2 +
-           pool.layers.size() * 2;
+    const uint64_t map_words = sizeof(FacadeMapEntry) / 4;
+    return tiles.size() * 2 + maps * map_words + pool.slots_used * 2 + pool.layers.size() * 2;
 }
 
-VkDeviceAddress FrameRecords::append(const void* record, size_t bytes) {
-    if (words_.size() % 2 != 0) words_.push_back(0);  // records begin at multiples of 8 bytes
+VkDeviceAddress FrameTables::append(const void* table, size_t bytes) {
+    if (words_.size() % 2 != 0) words_.push_back(0);  // tables begin at multiples of 8 bytes
     const VkDeviceAddress address = base_ + words_.size() * 4;
     words_.resize(words_.size() + bytes / 4);
-    if (bytes != 0) std::memcpy(words_.data() + words_.size() - bytes / 4, record, bytes);
+    if (bytes != 0) std::memcpy(words_.data() + words_.size() - bytes / 4, table, bytes);
     return address;
 }
 
-VkDeviceAddress FrameRecords::add_frame(const FrameRecord& record) { return append(&record, sizeof record); }
-
-Status FrameRecords::refer(LayerId id, uint out[2]) {
+Status FrameTables::refer(LayerId id, uint out[2]) {
     out[0] = out[1] = 0;
     if (id == kNoLayer) return Done{};
     if (!is_live(pool_, id) || pool_.layers[id].slots.empty()) {
@@ -85,33 +81,33 @@ Status FrameRecords::refer(LayerId id, uint out[2]) {
     return Done{};
 }
 
-Result<VkDeviceAddress> FrameRecords::add_tile(const TileDraw& tile, const CameraCell& camera) {
-    TileDrawRecord record{};
-    if (Status status = refer(tile.mesh, record.mesh); !status) return status.error();
-    if (Status status = refer(tile.atlas, record.atlas); !status) return status.error();
-    if (Status status = refer(tile.facade, record.facade); !status) return status.error();
+Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCell& camera) {
+    TileConstants constants{};
+    if (Status status = refer(tile.mesh, constants.mesh); !status) return status.error();
+    if (Status status = refer(tile.atlas, constants.atlas); !status) return status.error();
+    if (Status status = refer(tile.facade, constants.facade); !status) return status.error();
     std::vector<FacadeMapEntry> maps(tile.facade == kNoLayer ? 0 : tile.facade_maps.size());
     for (size_t i = 0; i < maps.size(); ++i) {
         maps[i].map = tile.facade_maps[i].map;
         if (Status status = refer(tile.facade_maps[i].layer, maps[i].layer); !status) return status.error();
     }
-    split_address(append(maps.data(), maps.size() * sizeof(FacadeMapEntry)), record.facade_maps);
-    record.facade_map_count = static_cast<uint32_t>(maps.size());
-    record.flags = tile.atlas == kNoLayer ? 0u : DRAW_HAS_ATLAS;
-    record.atlas_finest_mip = tile.atlas_finest_mip;
+    split_address(append(maps.data(), maps.size() * sizeof(FacadeMapEntry)), constants.facade_maps);
+    constants.facade_map_count = static_cast<uint32_t>(maps.size());
+    constants.atlas_finest_mip = tile.atlas_finest_mip;
     for (size_t i = 0; i < 3; ++i) {
         const int64_t offset = to_grid(tile.origin[i]) - camera.cell[i];
-        if (std::abs(offset) > std::numeric_limits<int32_t>::max() / 2) return Error{"a tile is more than 1,000 km away"};
-        record.origin[i] = static_cast<int32_t>(offset);
+        if (std::abs(offset) > std::numeric_limits<int32_t>::max() / 2)
+            return Error{"a tile is more than 1,000 km away"};
+        constants.origin[i] = static_cast<int32_t>(offset);
     }
     if (tile.mesh_step_words.size() > DRAW_MESH_STEPS) return Error{"a mesh layer of more than 4 steps"};
-    record.mesh_steps = static_cast<uint32_t>(tile.mesh_step_words.size());
+    constants.mesh_steps = static_cast<uint32_t>(tile.mesh_step_words.size());
     uint32_t begin = 0;
     for (size_t i = 0; i < tile.mesh_step_words.size(); ++i) {
-        record.mesh_step_begin[i] = begin;
+        constants.mesh_step_begin[i] = begin;
         begin += tile.mesh_step_words[i];
     }
-    return append(&record, sizeof record);
+    return constants;
 }
 
 }  // namespace citystream::client

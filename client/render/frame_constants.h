@@ -1,0 +1,50 @@
+// What the CPU tells the GPU about one frame: the camera's and each tile's push constants, and the page tables and
+// facade map tables that they refer to, which lie in one mapped buffer.
+#pragma once
+
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "client/render/draw_layout.h"
+#include "client/render/frame.h"
+#include "client/render/slot_pool.h"
+#include "client/select/camera.h"
+
+namespace citystream::client {
+
+/// The camera's place as a whole grid cell and the rest, so that tiles are placed by exact integers. The position is
+/// rounded to 2^-16 m first: a city far from the origin, whose camera positions carry rounding of their own, then draws
+/// the same frames as one at the origin.
+struct CameraCell {
+    std::array<int64_t, 3> cell{};    ///< grid units
+    std::array<float, 3> fraction{};  ///< metres, 0..2^-10
+};
+CameraCell camera_cell(const std::array<double, 3>& position);
+
+FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell);
+
+/// Makes the constants of tiles and, as words to be copied to device address `base`, the tables they refer to.
+class FrameTables {
+  public:
+    FrameTables(const SlotPool& pool, VkDeviceAddress base) : pool_(pool), base_(base) {}
+
+    /// Fails when a layer that the tile names does not live, or when the tile is too far away for 32-bit grid units
+    /// (1,000 km).
+    Result<TileConstants> add_tile(const TileDraw& tile, const CameraCell& camera);
+    std::span<const uint32_t> words() const { return words_; }
+
+    /// Upper bound of the words that `tiles` take.
+    static uint64_t bound(const SlotPool& pool, std::span<const TileDraw> tiles);
+
+  private:
+    VkDeviceAddress append(const void* table, size_t bytes);
+    Status refer(LayerId layer, uint out[2]);
+
+    const SlotPool& pool_;
+    VkDeviceAddress base_;
+    std::vector<uint32_t> words_;
+    std::unordered_map<LayerId, VkDeviceAddress> references_;
+};
+
+}  // namespace citystream::client

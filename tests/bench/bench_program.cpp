@@ -1,0 +1,55 @@
+#include "tests/bench/bench_program.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+
+namespace citystream::bench {
+
+double rounded(double value) {
+    if (value == 0 || !std::isfinite(value)) return value;
+    const double scale = std::pow(10.0, 3 - std::floor(std::log10(std::abs(value))));
+    return std::round(value * scale) / scale;
+}
+
+Json to_json(const Spread& spread) {
+    return {{"min", rounded(spread.min)}, {"median", rounded(spread.median)}, {"max", rounded(spread.max)}};
+}
+
+bool BenchProgram::read_arguments(int argc, char** argv, BenchOptions& options) {
+    CLI::App app{description_.claim, description_.name};
+    app.footer(fmt::format("Prints one JSON line per case; exit code 1 when a result is wrong.\nExamples:\n  {0}\n  {0} --repetitions 15{1}",
+                           description_.name, description_.files.empty() ? "" : " " + description_.files));
+    if (!description_.files.empty()) app.add_option("FILE", options.files, description_.files)->check(CLI::ExistingPath);
+    if (description_.generates) {
+        app.add_option("--buildings", options.buildings, "of the generated city")->check(CLI::Range(1, 1'000'000))->capture_default_str();
+        app.add_option("--seed", options.seed, "of the generated city")->capture_default_str();
+    }
+    app.add_option("--repetitions", options.repetitions, "of each measurement")->check(CLI::Range(1, 1000))->capture_default_str();
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        exit_code_ = app.exit(error) == 0 ? 0 : 2;
+        return false;
+    }
+    return true;
+}
+
+void BenchProgram::print(const Json& fields) const {
+    Json line{{"bench", description_.name}};
+    line.update(fields);
+    fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
+    std::fflush(stdout);
+}
+
+bool BenchProgram::check(bool holds, const std::string& what) {
+    if (!holds) {
+        fmt::print(stderr, "{}: does not hold: {}\n", description_.name, what);
+        exit_code_ = 1;
+    }
+    return holds;
+}
+
+}  // namespace citystream::bench

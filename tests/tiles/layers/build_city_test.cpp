@@ -1,0 +1,364 @@
+// The builder end to end: small cities in, archives out, read back through the public readers.
+#include "tiles/layers/build_city.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+
+#include "codec/bits/zstd_frame.h"
+#include "codec/mesh/mesh_layer.h"
+#include "tiles/archive/archive.h"
+#include "tiles/city/generator.h"
+#include "tiles/layers/inspect_city.h"
+#include "tiles/tileset/subtree.h"
+#include "tiles/tileset/tileset_json.h"
+
+namespace citystream::tiles::layers {
+namespace {
+
+using tileset::Layer;
+using tileset::TileAddress;
+using tileset::TileRecord;
+
+class BuildCity : public testing::Test {
+  protected:
+    void SetUp() override {
+        std::string pattern = (std::filesystem::temp_directory_path() / "citystream-layers-test-XXXXXX").string();
+        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+        folder_ = pattern;
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+    Result<BuildSummary> build(const std::string& name, const CitySource& source,
+                               const std::function<void(BuildOptions&)>& change = {}) {
+        BuildOptions options;
+        options.output = path(name);
+        options.jobs = 2;
+        if (change) change(options);
+        city::CityReport report;
+        return build_city(options, source, report);
+    }
+
+    std::filesystem::path folder_;
+};
+
+std::string bytes_of(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {(std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>()};
+}
+
+/// A box of ten triangles (no floor) from corner to corner.
+city::CityObject box(const city::Vec3& lo, const city::Vec3& hi, uint32_t material) {
+    city::CityObject object;
+    object.id = "box";
+    object.kind = city::ObjectKind::kBuilding;
+    for (double z : {lo.z, hi.z}) {
+        for (const auto& p : {city::Vec3{lo.x, lo.y, z}, city::Vec3{hi.x, lo.y, z}, city::Vec3{hi.x, hi.y, z},
+                              city::Vec3{lo.x, hi.y, z}})
+            object.vertices.push_back(p);
+    }
+    const auto add = [&](uint32_t a, uint32_t b, uint32_t c) {
+        city::Triangle triangle;
+        triangle.vertex = {a, b, c};
+        triangle.material = material;
+        object.triangles.push_back(triangle);
+    };
+    for (uint32_t i = 0; i < 4; ++i) {
+        const uint32_t j = (i + 1) % 4;
+        add(i, j, j + 4);
+        add(i, j + 4, i + 4);
+    }
+    add(4, 5, 6);
+    add(4, 6, 7);
+    return object;
+}
+
+CitySource boxes(const std::vector<std::array<city::Vec3, 2>>& corners) {
+    return [corners](city::CityHeader&, city::CityCatalog& catalog, city::CityReport& report,
+                     const city::CitySink& sink) -> Status {
+        const uint32_t material = catalog.add_material({});
+        for (const auto& [lo, hi] : corners) {
+            ++report.buildings_emitted;
+            if (!sink(box(lo, hi, material))) break;
+        }
+        return Done{};
+    };
+}
+
+CitySource generated(uint32_t buildings, const city::Vec2& origin = {}) {
+    return [buildings, origin](city::CityHeader& header, city::CityCatalog& catalog, city::CityReport& report,
+                               const city::CitySink& sink) -> Status {
+        city::GeneratorOptions options;
+        options.buildings = buildings;
+        options.origin = origin;
+        city::generate_city(options, header, catalog, report, sink);
+        return Done{};
+    };
+}
+
+/// An archive with its whole directory.
+struct OpenCity {
+    std::shared_ptr<archive::ArchiveReader> reader;
+    tileset::Manifest manifest;
+    std::map<TileAddress, TileRecord> tiles;
+};
+
+OpenCity open_city(const std::string& path) {
+    OpenCity city;
+    auto reader = archive::ArchiveReader::open(path);
+    EXPECT_TRUE(reader.ok());
+    if (!reader) return city;
+    city.reader = *reader;
+    const auto manifest = tileset::parse_tileset_json(city.reader->find(tileset::kTilesetPath));
+    EXPECT_TRUE(manifest.ok());
+    if (!manifest) return city;
+    city.manifest = *manifest;
+    for (std::deque<TileAddress> open = {TileAddress{}}; !open.empty(); open.pop_front()) {
+        const auto subtree =
+            tileset::parse_subtree(city.reader->find(tileset::subtree_path(open.front())), open.front(), city.manifest);
+        EXPECT_TRUE(subtree.ok());
+        if (!subtree) return city;
+        for (const TileRecord& tile : subtree->tiles) city.tiles[tile.address] = tile;
+        open.insert(open.end(), subtree->child_subtrees.begin(), subtree->child_subtrees.end());
+    }
+    return city;
+}
+
+bool has_children(const OpenCity& city, TileAddress address) {
+    for (uint32_t i = 0; i < 4; ++i) {
+        if (city.tiles.count(address.child(i)) != 0) return true;
+    }
+    return false;
+}
+
+codec::mesh::MeshTile mesh_of(const OpenCity& city, const TileRecord& tile) {
+    const auto bytes = city.reader->find(tileset::layer_path(Layer::kMesh, tile.address));
+    std::vector<uint32_t> words, step_words;
+    uint64_t begin = 0;
+    for (const tileset::StepRecord& step : tile.steps(Layer::kMesh)) {
+        const auto raw = codec::bits::decompress_frame(bytes.subspan(begin, step.end - begin), step.decoded_bytes);
+        EXPECT_TRUE(raw.ok());
+        if (!raw) return {};
+        const size_t at = words.size();
+        words.resize(at + raw->size() / 4);
+        std::memcpy(words.data() + at, raw->data(), raw->size());
+        step_words.push_back(static_cast<uint32_t>(raw->size() / 4));
+        begin = step.end;
+    }
+    auto mesh = codec::mesh::decode_mesh(words, step_words, 1U << 24);
+    EXPECT_TRUE(mesh.ok());
+    return mesh ? std::move(mesh).value() : codec::mesh::MeshTile{};
+}
+
+TEST_F(BuildCity, RefusesACityWithoutObjects) {
+    const auto summary = build("empty.3tz", boxes({}));
+    ASSERT_FALSE(summary.ok());
+    EXPECT_NE(summary.error().text().find("nothing to build"), std::string::npos);
+    EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(BuildCity, OneBuildingIsOneTileThatVerifies) {
+    const auto summary = build("one.3tz", boxes({{{{10, 10, 5}, {20, 18, 12}}}}));
+    ASSERT_TRUE(summary.ok());
+    EXPECT_EQ(summary->manifest.tiles, 1U);
+    EXPECT_EQ(summary->manifest.buildings, 1U);
+    const auto damages = verify_city(path("one.3tz"));
+    ASSERT_TRUE(damages.ok());
+    EXPECT_TRUE(damages->empty());
+    const auto info = read_city_info(path("one.3tz"));
+    ASSERT_TRUE(info.ok());
+    EXPECT_EQ((*info)["extent"], nlohmann::json({10.0, 10.0, 5.0, 20.0, 18.0, 12.0}));
+}
+
+TEST_F(BuildCity, ABuildingOnFourTilesIsWholeInExactlyOneLeaf) {
+    std::vector<std::array<city::Vec3, 2>> corners = {{{{120, 120, 0}, {140, 140, 30}}}};
+    for (double x : {10.0, 200.0}) {
+        for (double y : {10.0, 200.0}) corners.push_back({{{x, y, 0}, {x + 5, y + 5, 5}}});
+    }
+    const auto summary = build("four.3tz", boxes(corners), [](BuildOptions& options) {
+        options.leaf_triangles = 8;
+        options.auto_ground = false;
+    });
+    ASSERT_TRUE(summary.ok());
+    const OpenCity city = open_city(path("four.3tz"));
+    int holders = 0;
+    for (const auto& [address, tile] : city.tiles) {
+        if (has_children(city, address)) continue;
+        const auto mesh = mesh_of(city, tile);
+        const bool tall = std::any_of(
+            mesh.vertices.begin(), mesh.vertices.end(),
+            [&](const codec::mesh::MeshVertex& v) { return v.position[2] + tile.base_height == to_grid(30); });
+        if (!tall) continue;
+        ++holders;
+        EXPECT_EQ(mesh.triangle_chart.size(), 10U);
+    }
+    EXPECT_EQ(holders, 1);
+}
+
+TEST_F(BuildCity, KeepsAKilometreHighTowerInEveryLevel) {
+    std::vector<std::array<city::Vec3, 2>> corners = {{{{500, 500, 0}, {530, 530, 1000}}}};
+    for (int i = 0; i < 60; ++i)
+        corners.push_back({{{i * 17.0, (i * 37) % 1000 * 1.0, 0}, {i * 17.0 + 8, (i * 37) % 1000 + 8.0, 6}}});
+    const auto summary = build("tower.3tz", boxes(corners), [](BuildOptions& options) { options.leaf_triangles = 60; });
+    ASSERT_TRUE(summary.ok());
+    const OpenCity city = open_city(path("tower.3tz"));
+    std::set<uint32_t> levels;
+    for (const auto& [address, tile] : city.tiles) {
+        if (tile.bounds.max[2] < 999) continue;
+        for (const auto& v : mesh_of(city, tile).vertices) {
+            if (v.position[2] + tile.base_height >= to_grid(999)) levels.insert(address.level);
+        }
+    }
+    ASSERT_FALSE(levels.empty());
+    EXPECT_EQ(*levels.begin(), 0U);
+    EXPECT_EQ(levels.size(), static_cast<size_t>(*levels.rbegin()) + 1);
+}
+
+TEST_F(BuildCity, WritesTheSameBytesWithOneAndWithThreeThreads) {
+    ASSERT_TRUE(build("a.3tz", generated(60), [](BuildOptions& options) { options.jobs = 1; }).ok());
+    ASSERT_TRUE(build("b.3tz", generated(60), [](BuildOptions& options) { options.jobs = 3; }).ok());
+    EXPECT_EQ(bytes_of(path("a.3tz")), bytes_of(path("b.3tz")));
+}
+
+TEST_F(BuildCity, ACityMovedByTenMillionMetresHasTheSameTiles) {
+    const auto small_leaves = [](BuildOptions& options) { options.leaf_triangles = 1500; };
+    ASSERT_TRUE(build("here.3tz", generated(40), small_leaves).ok());
+    ASSERT_TRUE(build("there.3tz", generated(40, {1e7, 1e7}), small_leaves).ok());
+    const auto here = archive::ArchiveReader::open(path("here.3tz")),
+               there = archive::ArchiveReader::open(path("there.3tz"));
+    ASSERT_TRUE(here.ok() && there.ok());
+    size_t compared = 0;
+    for (const archive::ArchiveEntry& entry : (*here)->entries()) {
+        if (!entry.name.starts_with("tiles/")) continue;
+        const auto a = (*here)->find(entry.name), b = (*there)->find(entry.name);
+        EXPECT_TRUE(std::equal(a.begin(), a.end(), b.begin(), b.end())) << entry.name;
+        ++compared;
+    }
+    EXPECT_GT(compared, 3U);
+}
+
+TEST_F(BuildCity, ErrorsAndBoundsGrowUpTheTree) {
+    ASSERT_TRUE(build("city.3tz", generated(150), [](BuildOptions& options) { options.leaf_triangles = 1500; }).ok());
+    const OpenCity city = open_city(path("city.3tz"));
+    size_t inner = 0;
+    for (const auto& [address, tile] : city.tiles) {
+        if (!has_children(city, address)) {
+            EXPECT_EQ(tile.geometric_error, 0);
+        } else {
+            ++inner;
+        }
+        if (address.level == 0) continue;
+        const TileRecord& parent = city.tiles.at(address.parent());
+        EXPECT_GE(parent.geometric_error, tile.geometric_error);
+        for (size_t axis = 0; axis < 3; ++axis) {
+            EXPECT_LE(parent.bounds.min[axis], tile.bounds.min[axis]);
+            EXPECT_GE(parent.bounds.max[axis], tile.bounds.max[axis]);
+        }
+    }
+    EXPECT_GT(inner, 1U);
+    EXPECT_EQ(city.tiles.size(), city.manifest.tiles);
+}
+
+TEST_F(BuildCity, NeighbouringLeavesShareTheirGroundBorderPoints) {
+    ASSERT_TRUE(build("city.3tz", generated(150), [](BuildOptions& options) { options.leaf_triangles = 1500; }).ok());
+    const OpenCity city = open_city(path("city.3tz"));
+    // Points at which up-facing ground meets the line between a tile and its eastern neighbour of the same level.
+    const auto border = [&](const TileRecord& tile, int64_t x) {
+        std::set<std::array<int64_t, 2>> points;
+        const GridPoint origin = city.manifest.tile_origin(tile);
+        const auto mesh = mesh_of(city, tile);
+        std::map<std::array<int64_t, 2>, int64_t> top;  // skirts hang below their own upper points
+        for (const auto& v : mesh.vertices) {
+            if (origin.x + v.position[0] != x || v.normal[2] < 0.9F) continue;
+            const auto [found, is_new] = top.try_emplace({origin.y + v.position[1], 0}, origin.z + v.position[2]);
+            if (!is_new) found->second = std::max(found->second, origin.z + v.position[2]);
+        }
+        for (const auto& [at, z] : top) points.insert({at[0], z});
+        return points;
+    };
+    size_t compared = 0;
+    for (const auto& [address, tile] : city.tiles) {
+        const auto east = city.tiles.find({address.level, address.x + 1, address.y});
+        if (east == city.tiles.end() || has_children(city, address) || has_children(city, east->first)) continue;
+        const int64_t x = city.manifest.tile_origin(east->second).x;
+        EXPECT_EQ(border(tile, x), border(east->second, x));
+        compared += border(tile, x).size();
+    }
+    EXPECT_GT(compared, 4U);
+}
+
+TEST_F(BuildCity, VerifyNamesTheTileAndLayerOfAFlippedByte) {
+    ASSERT_TRUE(build("city.3tz", generated(20)).ok());
+    const OpenCity city = open_city(path("city.3tz"));
+    const std::string whole = bytes_of(path("city.3tz"));
+    for (const char* suffix : {".mesh", ".facade", ".atlas"}) {
+        const auto& entries = city.reader->entries();
+        const auto entry = std::find_if(entries.begin(), entries.end(),
+                                        [&](const archive::ArchiveEntry& e) { return e.name.ends_with(suffix); });
+        ASSERT_NE(entry, entries.end());
+        std::string damaged = whole;
+        damaged[entry->data_offset + entry->size / 2] =
+            static_cast<char>(damaged[entry->data_offset + entry->size / 2] ^ 4);
+        std::ofstream(path("damaged.3tz"), std::ios::binary) << damaged;
+        const auto damages = verify_city(path("damaged.3tz"));
+        ASSERT_TRUE(damages.ok());
+        EXPECT_TRUE(std::any_of(damages->begin(), damages->end(), [&](const std::string& line) {
+            return line.find(entry->name) != std::string::npos;
+        })) << suffix;
+    }
+}
+
+TEST_F(BuildCity, AnInterruptedBuildLeavesNothingBehind) {
+    const std::atomic<bool> cancel = true;
+    const auto summary = build("city.3tz", generated(20), [&](BuildOptions& options) { options.cancel = &cancel; });
+    ASSERT_FALSE(summary.ok());
+    EXPECT_EQ(summary.error().text(), "interrupted");
+    EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(BuildCity, ReportsAnObjectWithoutNumbersAndBuildsTheRest) {
+    city::CityReport report;
+    BuildOptions options;
+    options.output = path("nan.3tz");
+    const auto summary =
+        build_city(options, boxes({{{{0, 0, 0}, {5, 5, 5}}}, {{{0, 0, 0}, {5, 5, std::nan("")}}}}), report);
+    ASSERT_TRUE(summary.ok());
+    ASSERT_EQ(summary->report.dropped_features.size(), 1U);
+    EXPECT_EQ(summary->report.dropped_features[0], "box");
+}
+
+TEST_F(BuildCity, MakesUpGroundOnlyWhereThereIsNone) {
+    ASSERT_TRUE(build("bare.3tz", boxes({{{{0, 0, 3}, {5, 5, 9}}}})).ok());
+    EXPECT_NE(open_city(path("bare.3tz")).manifest.build_options.find("made-up"), std::string::npos);
+    ASSERT_TRUE(build("ground.3tz", generated(5)).ok());
+    EXPECT_EQ(open_city(path("ground.3tz")).manifest.build_options.find("made-up"), std::string::npos);
+}
+
+TEST_F(BuildCity, TheReferenceIsABinaryGltfOfItsStatedLength) {
+    const auto summary =
+        build("city.3tz", generated(5), [&](BuildOptions& options) { options.reference = path("city.glb"); });
+    ASSERT_TRUE(summary.ok());
+    const std::string bytes = bytes_of(path("city.glb"));
+    ASSERT_GT(bytes.size(), 20U);
+    std::array<uint32_t, 5> head{};
+    std::memcpy(head.data(), bytes.data(), sizeof(head));
+    EXPECT_EQ(head[0], 0x46546c67U);
+    EXPECT_EQ(head[2], bytes.size());
+    const auto json = nlohmann::json::parse(bytes.substr(20, head[3]));
+    EXPECT_EQ(json["asset"]["extras"]["citystream"]["origin"].size(), 3U);
+    for (const auto& view : json["bufferViews"]) {
+        EXPECT_LE(view["byteOffset"].get<uint64_t>() + view["byteLength"].get<uint64_t>(),
+                  json["buffers"][0]["byteLength"].get<uint64_t>());
+    }
+}
+
+}  // namespace
+}  // namespace citystream::tiles::layers

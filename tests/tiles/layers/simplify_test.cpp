@@ -1,0 +1,290 @@
+// The parts that make coarse tiles, one by one: outlines, blocks, crowds, decimation, ground, skirts, cuts at cells,
+// relief.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "tiles/layers/block.h"
+#include "tiles/layers/decimate.h"
+#include "tiles/layers/ground.h"
+#include "tiles/layers/hidden_faces.h"
+#include "tiles/layers/outline.h"
+#include "tiles/layers/relief_mesh.h"
+#include "tiles/layers/skirts.h"
+#include "tiles/layers/surface_distance.h"
+#include "tiles/quadtree/object_spool.h"
+
+namespace citystream::tiles::layers {
+namespace {
+
+using quadtree::BuildObject;
+using quadtree::BuildTriangle;
+using quadtree::Paint;
+
+constexpr int64_t kMetre = 1024;
+
+void add(BuildObject& object, uint32_t a, uint32_t b, uint32_t c) {
+    BuildTriangle triangle;
+    triangle.vertex = {a, b, c};
+    object.triangles.push_back(triangle);
+}
+
+/// Walls and a flat roof over an outline in metres.
+BuildObject prism(const std::vector<std::array<double, 2>>& outline, double height) {
+    BuildObject object;
+    object.kind = city::ObjectKind::kBuilding;
+    object.paints = {Paint::flat({200, 100, 50})};
+    Outline corners;
+    for (const auto& p : outline) {
+        corners.push_back({to_grid(p[0]), to_grid(p[1])});
+        object.vertices.push_back({corners.back()[0], corners.back()[1], 0});
+        object.vertices.push_back({corners.back()[0], corners.back()[1], to_grid(height)});
+    }
+    const auto n = static_cast<uint32_t>(outline.size());
+    for (uint32_t i = 0; i < n; ++i) {
+        const uint32_t j = (i + 1) % n;
+        add(object, 2 * i, 2 * j, 2 * j + 1);
+        add(object, 2 * i, 2 * j + 1, 2 * i + 1);
+    }
+    const auto roof = triangulate_outline(corners);
+    for (size_t i = 0; i + 2 < roof.size(); i += 3)
+        add(object, 2 * roof[i] + 1, 2 * roof[i + 1] + 1, 2 * roof[i + 2] + 1);
+    return object;
+}
+
+/// A lattice of ground, `cells` x `cells` of one metre, with a height function.
+template <typename Height>
+BuildObject lattice(int cells, const Height& height) {
+    BuildObject ground;
+    ground.kind = city::ObjectKind::kTerrain;
+    ground.paints = {Paint::flat({90, 120, 60})};
+    for (int y = 0; y <= cells; ++y) {
+        for (int x = 0; x <= cells; ++x) ground.vertices.push_back({x * kMetre, y * kMetre, to_grid(height(x, y))});
+    }
+    const auto at = [cells](int x, int y) { return static_cast<uint32_t>(y * (cells + 1) + x); };
+    for (int y = 0; y < cells; ++y) {
+        for (int x = 0; x < cells; ++x) {
+            add(ground, at(x, y), at(x + 1, y), at(x + 1, y + 1));
+            add(ground, at(x, y), at(x + 1, y + 1), at(x, y + 1));
+        }
+    }
+    return ground;
+}
+
+struct Workshop {
+    city::CityCatalog catalog;
+    ImageCache images{catalog, 1 << 20};
+    FacadePainter facades{catalog, images};
+};
+
+const std::vector<std::array<double, 2>> kNotched = {{0, 0},     {10, 0},    {10, 10},  {5.2, 10},
+                                                     {5.2, 9.8}, {4.8, 9.8}, {4.8, 10}, {0, 10}};
+
+TEST(Outline, TheRoofsOutlineIsTheFootprint) {
+    const auto loops = roof_outlines(prism(kNotched, 5), {});
+    ASSERT_EQ(loops.size(), 1U);
+    EXPECT_EQ(loops[0].size(), kNotched.size());
+    EXPECT_NEAR(doubled_area(loops[0]) / 2 / (kMetre * kMetre), 100 - 0.4 * 0.2, 0.01);
+}
+
+TEST(Outline, SimplifyingDropsTheNotchAndKeepsTheCorners) {
+    Outline outline = roof_outlines(prism(kNotched, 5), {})[0];
+    simplify_outline(outline, 0.5 * kMetre);
+    EXPECT_EQ(outline.size(), 4U);
+}
+
+TEST(Outline, EarClippingCoversAConcavePolygonExactly) {
+    const Outline polygon = {{0, 0}, {10, 0}, {10, 10}, {5, 3}, {0, 10}};
+    const auto triangles = triangulate_outline(polygon);
+    ASSERT_EQ(triangles.size(), 9U);
+    double area = 0;
+    for (size_t i = 0; i < triangles.size(); i += 3) {
+        const double part = doubled_area({polygon[triangles[i]], polygon[triangles[i + 1]], polygon[triangles[i + 2]]});
+        EXPECT_GT(part, 0);
+        area += part;
+    }
+    EXPECT_EQ(area, doubled_area(polygon));
+}
+
+TEST(Outline, ACrossedPolygonIsRefused) {
+    EXPECT_TRUE(triangulate_outline({{0, 0}, {0, 10}, {10, 10}, {10, 0}}).empty());
+}
+
+TEST(Block, StaysWithinTheErrorItStates) {
+    Workshop shop;
+    const BuildObject house = prism(kNotched, 5);
+    const auto block = make_block(house, 1.0, shop.images, shop.facades);
+    ASSERT_TRUE(block.has_value());
+    EXPECT_EQ(block->triangles.size(), 10U);
+    EXPECT_LE(block->error, 1.0F);
+    EXPECT_GT(block->error, 0.05F);
+    const auto a = surface_of(house, {}), b = surface_of(*block, {});
+    EXPECT_NEAR(surface_distance(a, b, 1e9) * kMetresPerGridUnit, static_cast<double>(block->error), 1e-6);
+}
+
+TEST(Block, IsNotMadeWhereItWouldBeTooFarOff) {
+    Workshop shop;
+    EXPECT_FALSE(make_block(prism(kNotched, 5), 0.05, shop.images, shop.facades).has_value());
+}
+
+TEST(Crowd, ABoxOfTheSameFootprintReplacesSmallThings) {
+    Workshop shop;
+    std::vector<BuildObject> objects;
+    for (double x : {0.0, 3.0, 6.0}) objects.push_back(prism({{x, 0}, {x + 2, 0}, {x + 2, 2}, {x, 2}}, 3));
+    objects.push_back(prism({{0, 0}, {30, 0}, {30, 30}, {0, 30}}, 20));
+    merge_crowds(objects, 10 * kMetre, shop.images, shop.facades);
+    ASSERT_EQ(objects.size(), 2U);
+    const auto box = objects[1].box();
+    const double area = to_metres(box.hi.x - box.lo.x) * to_metres(box.hi.y - box.lo.y);
+    EXPECT_NEAR(area, 12, 0.05);
+    EXPECT_NEAR(to_metres(box.hi.z - box.lo.z), 3, 0.01);
+    EXPECT_GT(objects[1].error, 1.0F);
+    EXPECT_LT(objects[1].error, 10.0F);
+}
+
+TEST(Decimate, AFlatLatticeKeepsItsBorderAndLosesItsInside) {
+    BuildObject ground = lattice(16, [](int, int) { return 0.0; });
+    decimate(ground, 0.1);
+    EXPECT_LE(ground.triangles.size(), 16U * 4 + 4);
+    std::set<std::pair<int64_t, int64_t>> border;
+    for (const GridPoint& p : ground.vertices) {
+        if (p.x == 0 || p.y == 0 || p.x == 16 * kMetre || p.y == 16 * kMetre) border.insert({p.x, p.y});
+    }
+    EXPECT_EQ(border.size(), 64U);
+    EXPECT_LT(ground.error, 1e-9F);
+}
+
+TEST(Decimate, TheStatedErrorHoldsOnAHill) {
+    const auto hill = [](int x, int y) { return 2 * std::sin(x * 0.4) * std::cos(y * 0.3); };
+    const BuildObject before = lattice(20, hill);
+    BuildObject after = before;
+    decimate(after, 0.25);
+    EXPECT_LT(after.triangles.size(), before.triangles.size());
+    EXPECT_GT(after.error, 0.0F);
+    const auto fine = surface_of(before, {}), coarse = surface_of(after, {});
+    double worst = 0;
+    for (const Triangle3& t : fine) {
+        for (const Point3& p : t) {
+            double nearest = 1e300;
+            for (const Triangle3& c : coarse) nearest = std::min(nearest, squared_distance(p, c));
+            worst = std::max(worst, std::sqrt(nearest));
+        }
+    }
+    EXPECT_LE(worst * kMetresPerGridUnit, static_cast<double>(after.error) + 1e-6);
+}
+
+TEST(Decimate, LeavesThreeFacesAtOneEdgeAlone) {
+    BuildObject fan;
+    fan.paints = {Paint::flat({1, 2, 3})};
+    fan.vertices = {{0, 0, 0}, {1024, 0, 0}, {0, 1024, 0}, {0, 0, 1024}, {0, -1024, 0}};
+    add(fan, 0, 1, 2);
+    add(fan, 0, 1, 3);
+    add(fan, 0, 1, 4);
+    decimate(fan, 0.5);
+    EXPECT_EQ(fan.triangles.size(), 3U);
+}
+
+TEST(Ground, BecomesAPictureOfItselfWhenItHasTooManyTriangles) {
+    Workshop shop;
+    std::vector<BuildObject> ground = {lattice(60, [](int x, int y) { return (x * 7 + y * 13) % 3 * 1.0; })};
+    std::vector<ChartImage> pictures;
+    coarsen_ground(ground, pictures, {{}, 64 * kMetre, 0.1, 100}, shop.images);
+    ASSERT_EQ(ground.size(), 1U);
+    ASSERT_EQ(pictures.size(), 1U);
+    EXPECT_EQ(pictures[0].rgb[0], 90);
+    const auto box = ground[0].box();
+    EXPECT_EQ(box.hi.x, 60 * kMetre);
+    EXPECT_EQ(box.hi.y, 60 * kMetre);
+}
+
+TEST(Skirts, HangFromEveryBorderEdgeAndLookOutwards) {
+    const std::vector<BuildObject> ground = {lattice(4, [](int, int) { return 1.0; })};
+    const auto skirts = make_skirts(ground, {0, 0, 0}, 4 * kMetre, 2 * kMetre);
+    ASSERT_EQ(skirts.size(), 16U);
+    for (const SkirtQuad& skirt : skirts) {
+        const auto n = unit_normal(skirt.corners[0], skirt.corners[1], skirt.corners[2]);
+        const double x = to_metres(skirt.corners[0].x + skirt.corners[1].x) / 2 - 2,
+                     y = to_metres(skirt.corners[0].y + skirt.corners[1].y) / 2 - 2;
+        EXPECT_GT(static_cast<double>(n[0]) * x + static_cast<double>(n[1]) * y, 0);
+        EXPECT_EQ(skirt.corners[3].z - skirt.corners[0].z, 2 * kMetre);
+        EXPECT_EQ(skirt.normal[2], 1.0F);
+    }
+}
+
+TEST(HiddenFaces, TheFloorGoesAndTheRoofStays) {
+    BuildObject house = prism({{0, 0}, {4, 0}, {4, 4}, {0, 4}}, 3);
+    add(house, 0, 4, 2);
+    add(house, 0, 6, 4);
+    drop_hidden_faces(house);
+    EXPECT_EQ(house.triangles.size(), 10U);
+}
+
+TEST(CutAtCells, ThePartsHaveTheAreaOfTheWholeAndMeetInThePointsOfBothSides) {
+    BuildObject ground;
+    ground.kind = city::ObjectKind::kTerrain;
+    ground.paints = {Paint::flat({1, 2, 3})};
+    ground.vertices = {{-5000, 3000, 0}, {150000, 20000, 5000}, {40000, 170001, 900}};
+    add(ground, 0, 1, 2);
+    const auto area = [](const BuildObject& object) {
+        double sum = 0;
+        for (const BuildTriangle& t : object.triangles)
+            sum += quadtree::triangle_normal(object.vertices[t.vertex[0]], object.vertices[t.vertex[1]],
+                                             object.vertices[t.vertex[2]])[2];
+        return sum;
+    };
+    const auto parts = quadtree::cut_at_cells(ground);
+    EXPECT_GT(parts.size(), 5U);
+    double sum = 0;
+    std::map<std::array<int64_t, 3>, int> on_line;
+    for (const BuildObject& part : parts) {
+        sum += area(part);
+        std::set<std::array<int64_t, 3>> own;
+        for (const GridPoint& p : part.vertices) {
+            if (p.x == 65536 && p.y % 65536 != 0) own.insert({p.x, p.y, p.z});
+        }
+        for (const auto& p : own) ++on_line[p];
+    }
+    EXPECT_NEAR(sum / area(ground), 1, 1e-4);
+    EXPECT_FALSE(on_line.empty());
+    for (const auto& [p, count] : on_line) EXPECT_EQ(count, 2);
+}
+
+TEST(Relief, AWindowRecessHasAFrontABackAndFourSidesOfTheRightWinding) {
+    codec::facade::FacadeImage image;
+    image.width = image.height = 30;
+    image.displacement_mm.assign(900, 0);
+    image.material.assign(900, 0);
+    for (uint32_t y = 10; y < 20; ++y) {
+        for (uint32_t x = 10; x < 20; ++x) {
+            image.displacement_mm[y * 30 + x] = -100;
+            image.material[y * 30 + x] = 3;
+        }
+    }
+    const auto words = codec::facade::encode_facade_map(image);
+    ASSERT_TRUE(words.ok());
+    const auto view = codec::facade::FacadeMapView::create(*words);
+    ASSERT_TRUE(view.ok());
+    const auto relief = make_relief(*view);
+    ASSERT_EQ(relief.size(), 2U);
+    EXPECT_EQ(relief.at(3).indices.size(), 6U);
+    double front = 0;
+    for (const auto& [slot, part] : relief) {
+        for (size_t i = 0; i < part.indices.size(); i += 3) {
+            const auto& a = part.positions[part.indices[i]];
+            const auto& b = part.positions[part.indices[i + 1]];
+            const auto& c = part.positions[part.indices[i + 2]];
+            const auto& n = part.normals[part.indices[i]];
+            const std::array<float, 3> u = {b[0] - a[0], b[1] - a[1], b[2] - a[2]},
+                                       v = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+            const std::array<float, 3> w = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                                            u[0] * v[1] - u[1] * v[0]};
+            EXPECT_GT(w[0] * n[0] + w[1] * n[1] + w[2] * n[2], 0.0F);
+            if (n[2] > 0.5F) front += static_cast<double>(w[2]) / 2;
+        }
+    }
+    EXPECT_NEAR(front, 0.09, 1e-6);
+}
+
+}  // namespace
+}  // namespace citystream::tiles::layers
