@@ -215,10 +215,16 @@ int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
     const auto summary = layers::build_city(options, source, report);
     bar.clear();
     if (summary) report = summary->report;
-    print_defects(report);
     if (!arguments.report.empty() && !write_report(arguments.report, report))
         return fail("cannot write report " + arguments.report);
-    if (!summary) return fail(summary.error().text());
+    if (!summary) {
+        // The last defect of a failed reading is the failure itself.
+        return fail(report.defect_count <= 1
+                        ? summary.error().text()
+                        : fmt::format("{}; {} more defects before it (--report FILE.json lists them)",
+                                      summary.error().text(), report.defect_count - 1));
+    }
+    print_defects(report);
     print_summary(*summary, arguments);
     return 0;
 }

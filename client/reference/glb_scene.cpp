@@ -36,10 +36,22 @@ Matrix multiply(const Matrix& a, const Matrix& b) {
 
 Matrix from_trs(const double t[3], const double q[4], const double s[3]) {
     const double x = q[0], y = q[1], z = q[2], w = q[3];
-    return {(1 - 2 * (y * y + z * z)) * s[0], 2 * (x * y + z * w) * s[0], 2 * (x * z - y * w) * s[0], 0,
-            2 * (x * y - z * w) * s[1], (1 - 2 * (x * x + z * z)) * s[1], 2 * (y * z + x * w) * s[1], 0,
-            2 * (x * z + y * w) * s[2], 2 * (y * z - x * w) * s[2], (1 - 2 * (x * x + y * y)) * s[2], 0,
-            t[0], t[1], t[2], 1};
+    return {(1 - 2 * (y * y + z * z)) * s[0],
+            2 * (x * y + z * w) * s[0],
+            2 * (x * z - y * w) * s[0],
+            0,
+            2 * (x * y - z * w) * s[1],
+            (1 - 2 * (x * x + z * z)) * s[1],
+            2 * (y * z + x * w) * s[1],
+            0,
+            2 * (x * z + y * w) * s[2],
+            2 * (y * z - x * w) * s[2],
+            (1 - 2 * (x * x + y * y)) * s[2],
+            0,
+            t[0],
+            t[1],
+            t[2],
+            1};
 }
 
 Matrix local_matrix(const tinygltf::Node& node) {
@@ -83,7 +95,8 @@ class Loader {
     bool read_instances(const tinygltf::Value& extension, const Matrix& parent, GlbDraw& draw);
     bool visit(int node_index, const Matrix& parent, int depth);
     void read_materials();
-    const uint8_t* element_bytes(int accessor_index, size_t components, int component_type, size_t& stride, size_t& count);
+    const uint8_t* element_bytes(int accessor_index, size_t components, int component_type, size_t& stride,
+                                 size_t& count);
     bool fail(const std::string& what) {
         error_ = what;
         return false;
@@ -95,21 +108,25 @@ class Loader {
     std::string error_;
 };
 
-const uint8_t* Loader::element_bytes(int accessor_index, size_t components, int component_type, size_t& stride, size_t& count) {
+const uint8_t* Loader::element_bytes(int accessor_index, size_t components, int component_type, size_t& stride,
+                                     size_t& count) {
     if (accessor_index < 0 || static_cast<size_t>(accessor_index) >= model_.accessors.size()) return nullptr;
     const tinygltf::Accessor& accessor = model_.accessors[static_cast<size_t>(accessor_index)];
-    if (accessor.bufferView < 0 || static_cast<size_t>(accessor.bufferView) >= model_.bufferViews.size()) return nullptr;
+    if (accessor.bufferView < 0 || static_cast<size_t>(accessor.bufferView) >= model_.bufferViews.size())
+        return nullptr;
     const tinygltf::BufferView& view = model_.bufferViews[static_cast<size_t>(accessor.bufferView)];
     if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= model_.buffers.size()) return nullptr;
     const std::vector<unsigned char>& buffer = model_.buffers[static_cast<size_t>(view.buffer)].data;
-    const size_t element = components * static_cast<size_t>(tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(component_type)));
+    const size_t element =
+        components * static_cast<size_t>(tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(component_type)));
     if (accessor.componentType != component_type ||
         tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type)) != static_cast<int>(components))
         return nullptr;
     stride = view.byteStride ? view.byteStride : element;
     count = accessor.count;
     const size_t begin = view.byteOffset + accessor.byteOffset;
-    if (count == 0 || begin > buffer.size() || buffer.size() - begin < element || (buffer.size() - begin - element) / stride < count - 1)
+    if (count == 0 || begin > buffer.size() || buffer.size() - begin < element ||
+        (buffer.size() - begin - element) / stride < count - 1)
         return nullptr;
     return buffer.data() + begin;
 }
@@ -119,7 +136,8 @@ bool Loader::read_floats(int accessor_index, size_t components, std::vector<floa
     const uint8_t* bytes = element_bytes(accessor_index, components, TINYGLTF_COMPONENT_TYPE_FLOAT, stride, count);
     if (!bytes) return fail("accessor " + std::to_string(accessor_index) + " is not a float array inside its buffer");
     out.resize(count * components);
-    for (size_t i = 0; i < count; ++i) std::memcpy(&out[i * components], bytes + i * stride, components * sizeof(float));
+    for (size_t i = 0; i < count; ++i)
+        std::memcpy(&out[i * components], bytes + i * stride, components * sizeof(float));
     return true;
 }
 
@@ -128,7 +146,8 @@ bool Loader::read_indices(int accessor_index, size_t vertex_count, std::vector<u
     if (const uint8_t* wide = element_bytes(accessor_index, 1, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, stride, count)) {
         out.resize(count);
         for (size_t i = 0; i < count; ++i) std::memcpy(&out[i], wide + i * stride, 4);
-    } else if (const uint8_t* narrow = element_bytes(accessor_index, 1, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, stride, count)) {
+    } else if (const uint8_t* narrow =
+                   element_bytes(accessor_index, 1, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, stride, count)) {
         out.resize(count);
         for (size_t i = 0; i < count; ++i) {
             uint16_t index = 0;
@@ -139,7 +158,8 @@ bool Loader::read_indices(int accessor_index, size_t vertex_count, std::vector<u
         return fail("accessor " + std::to_string(accessor_index) + " is not an index array inside its buffer");
     }
     for (const uint32_t index : out)
-        if (index >= vertex_count) return fail("index beyond the vertices in accessor " + std::to_string(accessor_index));
+        if (index >= vertex_count)
+            return fail("index beyond the vertices in accessor " + std::to_string(accessor_index));
     return true;
 }
 
@@ -174,7 +194,8 @@ bool Loader::read_primitive(const tinygltf::Primitive& in, GlbPrimitive& out) {
         const auto found = in.attributes.find(name);
         return found == in.attributes.end() ? -1 : found->second;
     };
-    const std::array<int, 4> accessors = {attribute("POSITION"), attribute("NORMAL"), attribute("TEXCOORD_0"), in.indices};
+    const std::array<int, 4> accessors = {attribute("POSITION"), attribute("NORMAL"), attribute("TEXCOORD_0"),
+                                          in.indices};
     const auto [known, is_new] = geometry_of_.try_emplace(accessors, static_cast<uint32_t>(scene_.geometries.size()));
     if (is_new && !read_geometry(accessors, scene_.geometries.emplace_back())) return false;
     out.geometry = known->second;
@@ -191,7 +212,8 @@ bool Loader::read_instances(const tinygltf::Value& extension, const Matrix& pare
     };
     if (!read("TRANSLATION", 3, t) || !read("ROTATION", 4, q) || !read("SCALE", 3, s)) return false;
     const size_t count = std::max({t.size() / 3, q.size() / 4, s.size() / 3});
-    if ((!t.empty() && t.size() != 3 * count) || (!q.empty() && q.size() != 4 * count) || (!s.empty() && s.size() != 3 * count))
+    if ((!t.empty() && t.size() != 3 * count) || (!q.empty() && q.size() != 4 * count) ||
+        (!s.empty() && s.size() != 3 * count))
         return fail("instance attributes differ in length");
     draw.instances.reserve(count);
     for (size_t i = 0; i < count; ++i) {
@@ -205,7 +227,8 @@ bool Loader::read_instances(const tinygltf::Value& extension, const Matrix& pare
 }
 
 bool Loader::visit(int node_index, const Matrix& parent, int depth) {
-    if (depth > 32 || node_index < 0 || static_cast<size_t>(node_index) >= model_.nodes.size()) return fail("bad node tree");
+    if (depth > 32 || node_index < 0 || static_cast<size_t>(node_index) >= model_.nodes.size())
+        return fail("bad node tree");
     const tinygltf::Node& node = model_.nodes[static_cast<size_t>(node_index)];
     const Matrix world = multiply(parent, local_matrix(node));
     if (node.mesh >= 0 && static_cast<size_t>(node.mesh) < model_.meshes.size()) {
@@ -228,7 +251,8 @@ void Loader::read_materials() {
     for (const tinygltf::Material& in : model_.materials) {
         GlbMaterial out;
         const tinygltf::PbrMetallicRoughness& pbr = in.pbrMetallicRoughness;
-        for (size_t i = 0; i < 3 && i < pbr.baseColorFactor.size(); ++i) out.srgb[i] = encode_srgb(pbr.baseColorFactor[i]);
+        for (size_t i = 0; i < 3 && i < pbr.baseColorFactor.size(); ++i)
+            out.srgb[i] = encode_srgb(pbr.baseColorFactor[i]);
         const int texture = pbr.baseColorTexture.index;
         if (texture >= 0 && static_cast<size_t>(texture) < model_.textures.size()) {
             const tinygltf::Texture& t = model_.textures[static_cast<size_t>(texture)];
@@ -242,8 +266,12 @@ void Loader::read_materials() {
             if (transform != pbr.baseColorTexture.extensions.end()) {
                 for (int i = 0; i < 2; ++i) {
                     const tinygltf::Value& value = transform->second;
-                    if (value.Has("scale")) out.texcoord_scale[static_cast<size_t>(i)] = static_cast<float>(value.Get("scale").Get(i).GetNumberAsDouble());
-                    if (value.Has("offset")) out.texcoord_offset[static_cast<size_t>(i)] = static_cast<float>(value.Get("offset").Get(i).GetNumberAsDouble());
+                    if (value.Has("scale"))
+                        out.texcoord_scale[static_cast<size_t>(i)] =
+                            static_cast<float>(value.Get("scale").Get(i).GetNumberAsDouble());
+                    if (value.Has("offset"))
+                        out.texcoord_offset[static_cast<size_t>(i)] =
+                            static_cast<float>(value.Get("offset").Get(i).GetNumberAsDouble());
                 }
             }
         }
@@ -272,7 +300,8 @@ bool decode_image(GlbImage& out, const unsigned char* bytes, int size) {
 Result<GlbScene> Loader::load(const std::string& path) {
     tinygltf::TinyGLTF reader;
     reader.SetImageLoader(
-        [](tinygltf::Image*, const int index, std::string* error, std::string*, int, int, const unsigned char* bytes, int size, void* self) {
+        [](tinygltf::Image*, const int index, std::string* error, std::string*, int, int, const unsigned char* bytes,
+           int size, void* self) {
             auto& scene = static_cast<Loader*>(self)->scene_;
             if (index < 0) return false;
             if (scene.images.size() <= static_cast<size_t>(index)) scene.images.resize(static_cast<size_t>(index) + 1);
@@ -282,10 +311,12 @@ Result<GlbScene> Loader::load(const std::string& path) {
         },
         this);
     std::string error, warning;
-    if (!reader.LoadBinaryFromFile(&model_, &error, &warning, path)) return Error{path + ": no readable binary glTF: " + error};
+    if (!reader.LoadBinaryFromFile(&model_, &error, &warning, path))
+        return Error{path + ": no readable binary glTF: " + error};
     const tinygltf::Value& extras = model_.asset.extras;
     if (extras.Has("citystream") && extras.Get("citystream").Has("origin"))
-        for (int i = 0; i < 3; ++i) scene_.origin[static_cast<size_t>(i)] = extras.Get("citystream").Get("origin").Get(i).GetNumberAsDouble();
+        for (int i = 0; i < 3; ++i)
+            scene_.origin[static_cast<size_t>(i)] = extras.Get("citystream").Get("origin").Get(i).GetNumberAsDouble();
     read_materials();
     scene_.meshes.resize(model_.meshes.size());
     for (size_t i = 0; i < model_.meshes.size(); ++i) {
@@ -297,7 +328,8 @@ Result<GlbScene> Loader::load(const std::string& path) {
     }
     const Matrix identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     if (model_.scenes.empty()) return Error{path + ": the file has no scene"};
-    const auto scene_index = static_cast<size_t>(std::clamp(model_.defaultScene, 0, static_cast<int>(model_.scenes.size()) - 1));
+    const auto scene_index =
+        static_cast<size_t>(std::clamp(model_.defaultScene, 0, static_cast<int>(model_.scenes.size()) - 1));
     for (const int node : model_.scenes[scene_index].nodes)
         if (!visit(node, identity, 0)) return Error{path + ": " + error_};
     return std::move(scene_);
@@ -305,6 +337,8 @@ Result<GlbScene> Loader::load(const std::string& path) {
 
 }  // namespace
 
-Result<GlbScene> load_glb(const std::string& path) { return Loader().load(path); }
+Result<GlbScene> load_glb(const std::string& path) {
+    return Loader().load(path);
+}
 
 }  // namespace citystream::client

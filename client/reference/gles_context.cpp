@@ -34,7 +34,8 @@ class EglContext final : public GlesContext {
 std::unique_ptr<GlesContext> context_on(EGLDisplay display) {
     if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) return nullptr;
     eglBindAPI(EGL_OPENGL_ES_API);
-    const EGLint config_attributes[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_ES3_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_NONE};
+    const EGLint config_attributes[] = {EGL_RENDERABLE_TYPE, EGL_OPENGL_ES3_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE,
+                                        EGL_NONE};
     EGLConfig config = nullptr;
     EGLint count = 0;
     if (!eglChooseConfig(display, config_attributes, &config, 1, &count) || count == 0) config = EGL_NO_CONFIG_KHR;
@@ -69,7 +70,8 @@ EGLDisplay surfaceless_display() {
 Result<std::unique_ptr<GlesContext>> GlesContext::create() {
     if (auto context = context_on(surfaceless_display())) return context;
     if (auto context = context_on(first_device_display())) return context;
-    return Error{"no EGL platform of this machine gives an OpenGL ES 3 context (is a Mesa or vendor EGL driver installed?)"};
+    return Error{
+        "no EGL platform of this machine gives an OpenGL ES 3 context (is a Mesa or vendor EGL driver installed?)"};
 }
 
 }  // namespace citystream::client

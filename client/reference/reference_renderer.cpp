@@ -135,15 +135,18 @@ Status GlesReferenceRenderer::initialise() {
     glGenBuffers(1, &instances_);
     upload_geometries();
     upload_textures();
-    if (glGetError() != GL_NO_ERROR) return Error{"the reference renderer ran out of graphics memory while loading the city"};
+    if (glGetError() != GL_NO_ERROR)
+        return Error{"the reference renderer ran out of graphics memory while loading the city"};
     return Done{};
 }
 
 Status GlesReferenceRenderer::make_program() {
     const auto* extensions = reinterpret_cast<const char*>(glGetString(GL_EXTENSIONS));
     if (!extensions || !std::strstr(extensions, "GL_EXT_clip_control"))
-        return Error{"the OpenGL ES driver has no GL_EXT_clip_control, which the reference renderer needs for reversed depth"};
-    const GLuint vertex = compile(GL_VERTEX_SHADER, kVertexShader), fragment = compile(GL_FRAGMENT_SHADER, kFragmentShader);
+        return Error{
+            "the OpenGL ES driver has no GL_EXT_clip_control, which the reference renderer needs for reversed depth"};
+    const GLuint vertex = compile(GL_VERTEX_SHADER, kVertexShader),
+                 fragment = compile(GL_FRAGMENT_SHADER, kFragmentShader);
     program_ = glCreateProgram();
     glAttachShader(program_, vertex);
     glAttachShader(program_, fragment);
@@ -170,7 +173,8 @@ Status GlesReferenceRenderer::make_targets() {
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
     if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-        return Error{"the reference renderer cannot make a frame of " + std::to_string(width) + " x " + std::to_string(height)};
+        return Error{"the reference renderer cannot make a frame of " + std::to_string(width) + " x " +
+                     std::to_string(height)};
     return Done{};
 }
 
@@ -203,7 +207,8 @@ void GlesReferenceRenderer::upload_textures() {
         GLuint texture = 0;
         glGenTextures(1, &texture);
         glBindTexture(GL_TEXTURE_2D, texture);
-        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0, GL_RGBA,
+                     GL_UNSIGNED_BYTE, rgba);
         glGenerateMipmap(GL_TEXTURE_2D);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -224,7 +229,9 @@ Frustum frustum_of(const Camera& camera) {
     const auto plane = [&](size_t i, double along_right, double along_up, double tangent) {
         const double length = std::sqrt(1 + tangent * tangent);
         for (size_t axis = 0; axis < 3; ++axis)
-            frustum.normals[i][axis] = (camera.right[axis] * along_right + camera.up[axis] * along_up + camera.forward[axis] * tangent) / length;
+            frustum.normals[i][axis] =
+                (camera.right[axis] * along_right + camera.up[axis] * along_up + camera.forward[axis] * tangent) /
+                length;
     };
     plane(0, 1, 0, tan_x);
     plane(1, -1, 0, tan_x);
@@ -239,7 +246,8 @@ void GlesReferenceRenderer::set_camera(const Camera& camera) {
     const auto f = static_cast<float>(1 / std::tan(camera.fov_y / 2));
     const float aspect = static_cast<float>(camera.width) / static_cast<float>(camera.height);
     // View space: x right, y up, z forward. Reversed z with an infinite far plane: depth = near / z.
-    const float clip_from_view[16] = {f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, 0, 1, 0, 0, static_cast<float>(camera.near_plane), 0};
+    const float clip_from_view[16] = {
+        f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, 0, 1, 0, 0, static_cast<float>(camera.near_plane), 0};
     float view_from_world[9];
     for (size_t axis = 0; axis < 3; ++axis) {
         view_from_world[axis * 3 + 0] = static_cast<float>(camera.right[axis]);
@@ -248,8 +256,10 @@ void GlesReferenceRenderer::set_camera(const Camera& camera) {
     }
     glUniformMatrix4fv(glGetUniformLocation(program_, "clip_from_view"), 1, GL_FALSE, clip_from_view);
     glUniformMatrix3fv(glGetUniformLocation(program_, "view_from_world"), 1, GL_FALSE, view_from_world);
-    glUniform3f(glGetUniformLocation(program_, "sun"), static_cast<float>(LIGHT_SUN_X), static_cast<float>(LIGHT_SUN_Y), static_cast<float>(LIGHT_SUN_Z));
-    glUniform2f(glGetUniformLocation(program_, "light"), static_cast<float>(LIGHT_AMBIENT), static_cast<float>(LIGHT_SUN));
+    glUniform3f(glGetUniformLocation(program_, "sun"), static_cast<float>(LIGHT_SUN_X), static_cast<float>(LIGHT_SUN_Y),
+                static_cast<float>(LIGHT_SUN_Z));
+    glUniform2f(glGetUniformLocation(program_, "light"), static_cast<float>(LIGHT_AMBIENT),
+                static_cast<float>(LIGHT_SUN));
     glUniform1i(glGetUniformLocation(program_, "image"), 0);
 }
 
@@ -261,14 +271,16 @@ void GlesReferenceRenderer::bind_material(const GlbMaterial& material) {
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, material.repeat_v ? GL_REPEAT : GL_CLAMP_TO_EDGE);
     }
     glUniform3f(glGetUniformLocation(program_, "colour"), material.srgb[0], material.srgb[1], material.srgb[2]);
-    glUniform4f(glGetUniformLocation(program_, "texcoord_transform"), material.texcoord_scale[0], material.texcoord_scale[1],
-                material.texcoord_offset[0], material.texcoord_offset[1]);
+    glUniform4f(glGetUniformLocation(program_, "texcoord_transform"), material.texcoord_scale[0],
+                material.texcoord_scale[1], material.texcoord_offset[0], material.texcoord_offset[1]);
 }
 
-bool sphere_visible(const std::array<float, 4>& sphere, const GlbTransform& m, const std::array<double, 3>& eye, const Frustum& frustum) {
+bool sphere_visible(const std::array<float, 4>& sphere, const GlbTransform& m, const std::array<double, 3>& eye,
+                    const Frustum& frustum) {
     double centre[3], scale = 0;
     for (size_t row = 0; row < 3; ++row) {
-        centre[row] = double{m[row]} * sphere[0] + double{m[3 + row]} * sphere[1] + double{m[6 + row]} * sphere[2] + m[9 + row] - eye[row];
+        centre[row] = double{m[row]} * sphere[0] + double{m[3 + row]} * sphere[1] + double{m[6 + row]} * sphere[2] +
+                      m[9 + row] - eye[row];
         scale += double{m[row]} * m[row] + double{m[3 + row]} * m[3 + row] + double{m[6 + row]} * m[6 + row];
     }
     const double radius = sphere[3] * std::sqrt(scale);
@@ -287,12 +299,14 @@ void GlesReferenceRenderer::draw_mesh(const GlbDraw& draw, const std::array<doub
             if (!sphere_visible(geometry.sphere, instance, eye, frustum)) continue;
             instance_data_.insert(instance_data_.end(), instance.begin(), instance.end());
             for (size_t axis = 0; axis < 3; ++axis)
-                instance_data_[instance_data_.size() - 3 + axis] = static_cast<float>(double{instance[9 + axis]} - eye[axis]);
+                instance_data_[instance_data_.size() - 3 + axis] =
+                    static_cast<float>(double{instance[9 + axis]} - eye[axis]);
         }
         if (instance_data_.empty()) continue;
         bind_material(scene_.materials[primitive.material]);
         glBindBuffer(GL_ARRAY_BUFFER, instances_);
-        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instance_data_.size() * 4), instance_data_.data(), GL_STREAM_DRAW);
+        glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instance_data_.size() * 4), instance_data_.data(),
+                     GL_STREAM_DRAW);
         for (GLuint i = 0; i < 4; ++i) {
             glEnableVertexAttribArray(3 + i);
             glVertexAttribPointer(3 + i, 3, GL_FLOAT, GL_FALSE, 48, reinterpret_cast<const void*>(size_t{12} * i));
@@ -302,7 +316,8 @@ void GlesReferenceRenderer::draw_mesh(const GlbDraw& draw, const std::array<doub
         const GLint components[3] = {3, 3, 2};
         for (GLuint i = 0; i < 3; ++i) {
             glEnableVertexAttribArray(i);
-            glVertexAttribPointer(i, components[i], GL_FLOAT, GL_FALSE, sizeof(GlbVertex), reinterpret_cast<const void*>(size_t{12} * i));
+            glVertexAttribPointer(i, components[i], GL_FLOAT, GL_FALSE, sizeof(GlbVertex),
+                                  reinterpret_cast<const void*>(size_t{12} * i));
         }
         glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, geometry.indices);
         const auto count = static_cast<GLsizei>(instance_data_.size() / 12);
@@ -314,14 +329,16 @@ void GlesReferenceRenderer::draw_mesh(const GlbDraw& draw, const std::array<doub
 FrameImage GlesReferenceRenderer::read_back() const {
     const uint32_t n = options_.supersample, width = options_.width * n, height = options_.height * n;
     std::vector<uint8_t> raw(size_t{4} * width * height);
-    glReadPixels(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height), GL_RGBA, GL_UNSIGNED_BYTE, raw.data());
+    glReadPixels(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height), GL_RGBA, GL_UNSIGNED_BYTE,
+                 raw.data());
     FrameImage out{options_.width, options_.height, std::vector<uint8_t>(size_t{4} * options_.width * options_.height)};
     for (uint32_t y = 0; y < out.height; ++y) {
         for (uint32_t x = 0; x < out.width; ++x) {
             for (uint32_t c = 0; c < 4; ++c) {
                 uint32_t sum = 0;
                 for (uint32_t j = 0; j < n; ++j)
-                    for (uint32_t i = 0; i < n; ++i) sum += raw[4 * (size_t{height - 1 - (y * n + j)} * width + x * n + i) + c];
+                    for (uint32_t i = 0; i < n; ++i)
+                        sum += raw[4 * (size_t{height - 1 - (y * n + j)} * width + x * n + i) + c];
                 out.rgba[4 * (size_t{y} * out.width + x) + c] = static_cast<uint8_t>((sum + n * n / 2) / (n * n));
             }
         }
@@ -333,7 +350,8 @@ Result<FrameImage> GlesReferenceRenderer::draw(const Camera& camera) {
     context_->make_current();
     const auto start = std::chrono::steady_clock::now();
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-    glViewport(0, 0, static_cast<GLsizei>(options_.width * options_.supersample), static_cast<GLsizei>(options_.height * options_.supersample));
+    glViewport(0, 0, static_cast<GLsizei>(options_.width * options_.supersample),
+               static_cast<GLsizei>(options_.height * options_.supersample));
     const auto clip_control = reinterpret_cast<PFNGLCLIPCONTROLEXTPROC>(eglGetProcAddress("glClipControlEXT"));
     clip_control(GL_LOWER_LEFT_EXT, GL_ZERO_TO_ONE_EXT);
     glEnable(GL_DEPTH_TEST);
@@ -341,7 +359,8 @@ Result<FrameImage> GlesReferenceRenderer::draw(const Camera& camera) {
     glDisable(GL_CULL_FACE);
     const auto& b = options_.background;
     const bool sky = b[0] < 0;
-    glClearColor(sky ? static_cast<float>(SKY_R) : b[0], sky ? static_cast<float>(SKY_G) : b[1], sky ? static_cast<float>(SKY_B) : b[2], 1);
+    glClearColor(sky ? static_cast<float>(SKY_R) : b[0], sky ? static_cast<float>(SKY_G) : b[1],
+                 sky ? static_cast<float>(SKY_B) : b[2], 1);
     glClearDepthf(0);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glUseProgram(program_);
@@ -361,12 +380,14 @@ Result<FrameImage> GlesReferenceRenderer::draw(const Camera& camera) {
 
 }  // namespace
 
-Result<std::unique_ptr<ReferenceRenderer>> ReferenceRenderer::create(const std::string& glb_path, const ReferenceOptions& options) {
+Result<std::unique_ptr<ReferenceRenderer>> ReferenceRenderer::create(const std::string& glb_path,
+                                                                     const ReferenceOptions& options) {
     auto scene = load_glb(glb_path);
     if (!scene) return scene.error();
     auto context = GlesContext::create();
     if (!context) return context.error();
-    auto renderer = std::make_unique<GlesReferenceRenderer>(std::move(context).value(), std::move(scene).value(), options);
+    auto renderer =
+        std::make_unique<GlesReferenceRenderer>(std::move(context).value(), std::move(scene).value(), options);
     if (Status status = renderer->initialise(); !status) return status.error();
     return std::unique_ptr<ReferenceRenderer>(std::move(renderer));
 }

@@ -1,5 +1,5 @@
-// The reference renderer: the uncompressed city (a .glb made by citystream-build --reference) as plain triangles with EGL + OpenGL ES 3.
-// It shares nothing with the Vulkan path but the camera and the lighting constants.
+// The reference renderer: the uncompressed city (a .glb made by citystream-build --reference) as plain triangles with
+// EGL + OpenGL ES 3. It shares nothing with the Vulkan path but the camera and the lighting constants.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,8 @@ struct ReferenceOptions {
 
 class ReferenceRenderer {
   public:
-    static Result<std::unique_ptr<ReferenceRenderer>> create(const std::string& glb_path, const ReferenceOptions& options);
+    static Result<std::unique_ptr<ReferenceRenderer>> create(const std::string& glb_path,
+                                                             const ReferenceOptions& options);
     virtual ~ReferenceRenderer() = default;
     virtual Result<FrameImage> draw(const Camera& camera) = 0;
     virtual double last_frame_ms() const = 0;

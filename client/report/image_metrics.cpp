@@ -27,7 +27,8 @@ Kernel gaussian(double sigma, int radius) {
     return kernel;
 }
 
-// Rows by `along_x`, then columns by `along_y`; edges are repeated. The inner loops run along memory, so that they vectorise.
+// Rows by `along_x`, then columns by `along_y`; edges are repeated. The inner loops run along memory, so that they
+// vectorise.
 Plane convolve(const Plane& in, const Kernel& along_x, const Kernel& along_y) {
     const size_t width = in.width, height = in.height, radius_x = along_x.size() / 2, radius_y = along_y.size() / 2;
     Plane rows(width, height), out(width, height);
@@ -85,15 +86,19 @@ using Colour = std::array<double, 3>;
 
 constexpr Colour kWhite = {0.950428545, 1.0, 1.088900371};  // D65 XYZ of linear sRGB white
 
-double linear_of(double srgb) { return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4); }
+double linear_of(double srgb) {
+    return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+}
 
 Colour xyz_of(const Colour& c) {
-    return {0.4124564 * c[0] + 0.3575761 * c[1] + 0.1804375 * c[2], 0.2126729 * c[0] + 0.7151522 * c[1] + 0.0721750 * c[2],
+    return {0.4124564 * c[0] + 0.3575761 * c[1] + 0.1804375 * c[2],
+            0.2126729 * c[0] + 0.7151522 * c[1] + 0.0721750 * c[2],
             0.0193339 * c[0] + 0.1191920 * c[1] + 0.9503041 * c[2]};
 }
 
 Colour linear_of_xyz(const Colour& c) {
-    return {3.2404542 * c[0] - 1.5371385 * c[1] - 0.4985314 * c[2], -0.9692660 * c[0] + 1.8760108 * c[1] + 0.0415560 * c[2],
+    return {3.2404542 * c[0] - 1.5371385 * c[1] - 0.4985314 * c[2],
+            -0.9692660 * c[0] + 1.8760108 * c[1] + 0.0415560 * c[2],
             0.0556434 * c[0] - 0.2040259 * c[1] + 1.0572252 * c[2]};
 }
 
@@ -117,14 +122,18 @@ Colour hunt_lab_of(const Colour& linear) {
     return {lightness, 0.01 * lightness * 500 * (fx - fy), 0.01 * lightness * 200 * (fy - fz)};
 }
 
-double hyab(const Colour& a, const Colour& b) { return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]); }
+double hyab(const Colour& a, const Colour& b) {
+    return std::abs(a[0] - b[0]) + std::hypot(a[1] - b[1], a[2] - b[2]);
+}
 
 std::array<Plane, 3> opponent_planes(const FrameImage& image) {
-    std::array<Plane, 3> out = {Plane(image.width, image.height), Plane(image.width, image.height), Plane(image.width, image.height)};
+    std::array<Plane, 3> out = {Plane(image.width, image.height), Plane(image.width, image.height),
+                                Plane(image.width, image.height)};
     std::array<double, 256> linear{};
     for (size_t i = 0; i < 256; ++i) linear[i] = linear_of(static_cast<double>(i) / 255);
     for (size_t i = 0; i < out[0].values.size(); ++i) {
-        const Colour c = opponent_of(xyz_of({linear[image.rgba[4 * i]], linear[image.rgba[4 * i + 1]], linear[image.rgba[4 * i + 2]]}));
+        const Colour c = opponent_of(
+            xyz_of({linear[image.rgba[4 * i]], linear[image.rgba[4 * i + 1]], linear[image.rgba[4 * i + 2]]}));
         for (size_t k = 0; k < 3; ++k) out[k].values[i] = static_cast<float>(c[k]);
     }
     return out;
@@ -132,7 +141,9 @@ std::array<Plane, 3> opponent_planes(const FrameImage& image) {
 
 // Contrast sensitivity filters: sums of Gaussians a * sqrt(pi / b) * exp(-pi^2 r^2 / b), r in degrees (table 1).
 std::array<Plane, 3> contrast_filtered(const std::array<Plane, 3>& planes, double pixels_per_degree) {
-    struct Term { double a, b; };
+    struct Term {
+        double a, b;
+    };
     const std::array<std::vector<Term>, 3> filters = {{{{1, 0.0047}}, {{1, 0.0053}}, {{34.1, 0.04}, {13.5, 0.025}}}};
     const double pi = std::numbers::pi;
     const int radius = static_cast<int>(std::ceil(3 * std::sqrt(0.04 / (2 * pi * pi)) * pixels_per_degree));
@@ -151,7 +162,8 @@ std::array<Plane, 3> contrast_filtered(const std::array<Plane, 3>& planes, doubl
         std::fill(out[k].values.begin(), out[k].values.end(), 0.0f);
         for (size_t t = 0; t < kernels.size(); ++t) {
             const Plane part = convolve(planes[k], kernels[t], kernels[t]);
-            for (size_t i = 0; i < part.values.size(); ++i) out[k].values[i] += static_cast<float>(shares[t] / total) * part.values[i];
+            for (size_t i = 0; i < part.values.size(); ++i)
+                out[k].values[i] += static_cast<float>(shares[t] / total) * part.values[i];
         }
     }
     return out;
@@ -206,24 +218,32 @@ double psnr(const FrameImage& reference, const FrameImage& test) {
 std::vector<float> flip_map(const FrameImage& reference, const FrameImage& test, double pixels_per_degree) {
     constexpr double kColourExponent = 0.7, kFeatureExponent = 0.5, kKnee = 0.4, kKneeValue = 0.95;
     const auto planes_a = opponent_planes(reference), planes_b = opponent_planes(test);
-    const auto filtered_a = contrast_filtered(planes_a, pixels_per_degree), filtered_b = contrast_filtered(planes_b, pixels_per_degree);
-    const Plane edge_a = feature_strength(planes_a[0], pixels_per_degree, false), edge_b = feature_strength(planes_b[0], pixels_per_degree, false);
-    const Plane point_a = feature_strength(planes_a[0], pixels_per_degree, true), point_b = feature_strength(planes_b[0], pixels_per_degree, true);
+    const auto filtered_a = contrast_filtered(planes_a, pixels_per_degree),
+               filtered_b = contrast_filtered(planes_b, pixels_per_degree);
+    const Plane edge_a = feature_strength(planes_a[0], pixels_per_degree, false),
+                edge_b = feature_strength(planes_b[0], pixels_per_degree, false);
+    const Plane point_a = feature_strength(planes_a[0], pixels_per_degree, true),
+                point_b = feature_strength(planes_b[0], pixels_per_degree, true);
     const double largest = std::pow(hyab(hunt_lab_of({0, 1, 0}), hunt_lab_of({0, 0, 1})), kColourExponent);
     std::vector<float> out(edge_a.values.size());
     for (size_t i = 0; i < out.size(); ++i) {
-        const double raw = std::pow(hyab(filtered_hunt_lab(filtered_a, i), filtered_hunt_lab(filtered_b, i)), kColourExponent);
+        const double raw =
+            std::pow(hyab(filtered_hunt_lab(filtered_a, i), filtered_hunt_lab(filtered_b, i)), kColourExponent);
         const double knee = kKnee * largest;
-        const double colour = raw < knee ? raw * kKneeValue / knee : kKneeValue + (raw - knee) / (largest - knee) * (1 - kKneeValue);
-        const double feature = std::max(std::abs(edge_a.values[i] - edge_b.values[i]), std::abs(point_a.values[i] - point_b.values[i]));
+        const double colour =
+            raw < knee ? raw * kKneeValue / knee : kKneeValue + (raw - knee) / (largest - knee) * (1 - kKneeValue);
+        const double feature =
+            std::max(std::abs(edge_a.values[i] - edge_b.values[i]), std::abs(point_a.values[i] - point_b.values[i]));
         const double feature_difference = std::pow(feature / std::numbers::sqrt2, kFeatureExponent);
         out[i] = static_cast<float>(std::pow(std::clamp(colour, 0.0, 1.0), 1 - std::min(feature_difference, 1.0)));
     }
     return out;
 }
 
-Result<ImageDifference> compare_images(const FrameImage& reference, const FrameImage& test, std::vector<float>* flip_per_pixel) {
-    if (reference.width != test.width || reference.height != test.height || reference.width == 0 || reference.height == 0)
+Result<ImageDifference> compare_images(const FrameImage& reference, const FrameImage& test,
+                                       std::vector<float>* flip_per_pixel) {
+    if (reference.width != test.width || reference.height != test.height || reference.width == 0 ||
+        reference.height == 0)
         return Error{"pictures of different or zero size cannot be compared"};
     ImageDifference out;
     out.psnr_db = psnr(reference, test);

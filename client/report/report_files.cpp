@@ -21,7 +21,9 @@ struct SettingSummary {
 };
 
 // Equal pictures have no finite PSNR; 99 dB stands for them where a number is needed.
-double finite_psnr(double psnr_db) { return std::min(psnr_db, 99.0); }
+double finite_psnr(double psnr_db) {
+    return std::min(psnr_db, 99.0);
+}
 
 SettingSummary summarise(const SettingResult& setting) {
     SettingSummary out{};
@@ -37,7 +39,9 @@ SettingSummary summarise(const SettingResult& setting) {
     return out;
 }
 
-std::string label_of(const Setting& setting) { return fmt::format("{:g}{}", setting.value, setting.knob == "tolerance" ? " px" : " MiB"); }
+std::string label_of(const Setting& setting) {
+    return fmt::format("{:g}{}", setting.value, setting.knob == "tolerance" ? " px" : " MiB");
+}
 
 using Column = double (*)(const SettingResult&, const SettingSummary&);
 
@@ -54,17 +58,33 @@ std::string plot_of(const SweepResult& result, const PlotAxes& axes, Column x, C
     return plot_svg(axes, series);
 }
 
-double megabytes(const SettingResult& setting, const SettingSummary&) { return static_cast<double>(setting.total_wire_bytes) / 1e6; }
-double frame_time(const SettingResult&, const SettingSummary& summary) { return summary.gpu_ms; }
-double flip_error(const SettingResult&, const SettingSummary& summary) { return summary.flip; }
-double psnr_value(const SettingResult&, const SettingSummary& summary) { return summary.psnr_db; }
+double megabytes(const SettingResult& setting, const SettingSummary&) {
+    return static_cast<double>(setting.total_wire_bytes) / 1e6;
+}
+double frame_time(const SettingResult&, const SettingSummary& summary) {
+    return summary.gpu_ms;
+}
+double flip_error(const SettingResult&, const SettingSummary& summary) {
+    return summary.flip;
+}
+double psnr_value(const SettingResult&, const SettingSummary& summary) {
+    return summary.psnr_db;
+}
 
 std::map<std::string, std::string> plots_of(const SweepResult& result) {
     return {
-        {"error-time.svg", plot_of(result, {"Error against run time", "median frame time, ms (GPU)", "median FLIP", false}, frame_time, flip_error)},
-        {"error-bytes.svg", plot_of(result, {"Error against bytes", "wire bytes of the whole path, MB", "median FLIP", true}, megabytes, flip_error)},
-        {"psnr-time.svg", plot_of(result, {"PSNR against run time", "median frame time, ms (GPU)", "median PSNR, dB", false}, frame_time, psnr_value)},
-        {"psnr-bytes.svg", plot_of(result, {"PSNR against bytes", "wire bytes of the whole path, MB", "median PSNR, dB", true}, megabytes, psnr_value)},
+        {"error-time.svg",
+         plot_of(result, {"Error against run time", "median frame time, ms (GPU)", "median FLIP", false}, frame_time,
+                 flip_error)},
+        {"error-bytes.svg",
+         plot_of(result, {"Error against bytes", "wire bytes of the whole path, MB", "median FLIP", true}, megabytes,
+                 flip_error)},
+        {"psnr-time.svg",
+         plot_of(result, {"PSNR against run time", "median frame time, ms (GPU)", "median PSNR, dB", false}, frame_time,
+                 psnr_value)},
+        {"psnr-bytes.svg",
+         plot_of(result, {"PSNR against bytes", "wire bytes of the whole path, MB", "median PSNR, dB", true}, megabytes,
+                 psnr_value)},
     };
 }
 
@@ -78,14 +98,17 @@ Status write_text(const std::filesystem::path& file, const std::string& text) {
 
 std::string summary_table(const SweepResult& result) {
     std::string out =
-        "<table><tr><th>knob</th><th>value</th><th>wire MB</th><th>GPU MiB, most</th><th>frame ms, median</th><th>PSNR dB, median</th>"
+        "<table><tr><th>knob</th><th>value</th><th>wire MB</th><th>GPU MiB, most</th><th>frame ms, median</th><th>PSNR "
+        "dB, median</th>"
         "<th>PSNR dB, least</th><th>SSIM</th><th>FLIP</th><th>stated error px, most</th></tr>\n";
     for (const SettingResult& setting : result.settings) {
         const SettingSummary s = summarise(setting);
-        out += fmt::format("<tr><td>{}</td><td>{:g}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.3f}</td></tr>\n",
-                           setting.setting.knob, setting.setting.value, static_cast<double>(setting.total_wire_bytes) / 1e6,
-                           static_cast<double>(setting.largest_gpu_bytes) / (1 << 20), s.gpu_ms, s.psnr_db, s.least_psnr_db, s.ssim, s.flip,
-                           s.achieved_error_pixels);
+        out += fmt::format(
+            "<tr><td>{}</td><td>{:g}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</"
+            "td><td>{:.4f}</td><td>{:.4f}</td><td>{:.3f}</td></tr>\n",
+            setting.setting.knob, setting.setting.value, static_cast<double>(setting.total_wire_bytes) / 1e6,
+            static_cast<double>(setting.largest_gpu_bytes) / (1 << 20), s.gpu_ms, s.psnr_db, s.least_psnr_db, s.ssim,
+            s.flip, s.achieved_error_pixels);
     }
     return out + "</table>\n";
 }
@@ -93,13 +116,18 @@ std::string summary_table(const SweepResult& result) {
 std::string picture_rows(const SweepResult& result) {
     std::string out;
     for (size_t i = 0; i < result.reference_pictures.size(); ++i) {
-        out += fmt::format("<h3>Frame {0}</h3><div class='row'><figure><a href='pictures/{1}'><img src='pictures/{1}' alt='reference'></a><figcaption>reference: {2} triangles, {3:.0f} ms</figcaption></figure>\n",
-                           i, result.reference_pictures[i], result.reference_triangles[i], result.reference_ms[i]);
+        out += fmt::format(
+            "<h3>Frame {0}</h3><div class='row'><figure><a href='pictures/{1}'><img src='pictures/{1}' "
+            "alt='reference'></a><figcaption>reference: {2} triangles, {3:.0f} ms</figcaption></figure>\n",
+            i, result.reference_pictures[i], result.reference_triangles[i], result.reference_ms[i]);
         for (const SettingResult& setting : result.settings) {
             const FrameRow& row = setting.frames[i];
-            out += fmt::format("<figure><a href='pictures/{0}'><img src='pictures/{0}' alt=''></a><a href='pictures/{1}'><img src='pictures/{1}' alt='FLIP'></a><figcaption>{2} {3}: {4:.2f} dB, FLIP {5:.4f}, {6} tiles</figcaption></figure>\n",
-                               row.picture, row.flip_picture, setting.setting.knob, label_of(setting.setting), finite_psnr(row.difference.psnr_db),
-                               row.difference.flip, row.tiles);
+            out += fmt::format(
+                "<figure><a href='pictures/{0}'><img src='pictures/{0}' alt=''></a><a href='pictures/{1}'><img "
+                "src='pictures/{1}' alt='FLIP'></a><figcaption>{2} {3}: {4:.2f} dB, FLIP {5:.4f}, {6} "
+                "tiles</figcaption></figure>\n",
+                row.picture, row.flip_picture, setting.setting.knob, label_of(setting.setting),
+                finite_psnr(row.difference.psnr_db), row.difference.flip, row.tiles);
         }
         out += "</div>\n";
     }
@@ -109,12 +137,16 @@ std::string picture_rows(const SweepResult& result) {
 }  // namespace
 
 std::string frames_csv(const SweepResult& result) {
-    std::string out = "knob,value,frame,t,gpu_ms,select_ms,decode_ms,wire_bytes,gpu_bytes,tiles,tolerance_used,achieved_error_pixels,psnr_db,ssim,flip\n";
+    std::string out =
+        "knob,value,frame,t,gpu_ms,select_ms,decode_ms,wire_bytes,gpu_bytes,tiles,tolerance_used,achieved_error_pixels,"
+        "psnr_db,ssim,flip\n";
     for (const SettingResult& setting : result.settings)
         for (const FrameRow& row : setting.frames)
-            out += fmt::format("{},{:g},{},{:g},{:.3f},{:.3f},{:.3f},{},{},{},{:.4f},{:.4f},{:.3f},{:.5f},{:.5f}\n", setting.setting.knob, setting.setting.value,
-                               row.frame, row.t, row.gpu_ms, row.select_ms, row.decode_ms, row.wire_bytes, row.gpu_bytes, row.tiles, row.tolerance_used,
-                               row.achieved_error_pixels, finite_psnr(row.difference.psnr_db), row.difference.ssim, row.difference.flip);
+            out += fmt::format("{},{:g},{},{:g},{:.3f},{:.3f},{:.3f},{},{},{},{:.4f},{:.4f},{:.3f},{:.5f},{:.5f}\n",
+                               setting.setting.knob, setting.setting.value, row.frame, row.t, row.gpu_ms, row.select_ms,
+                               row.decode_ms, row.wire_bytes, row.gpu_bytes, row.tiles, row.tolerance_used,
+                               row.achieved_error_pixels, finite_psnr(row.difference.psnr_db), row.difference.ssim,
+                               row.difference.flip);
     return out;
 }
 
@@ -125,13 +157,22 @@ std::string report_json(const SweepOptions& options, const SweepResult& result) 
     root["reference_device"] = result.reference_device;
     root["size"] = {options.width, options.height};
     root["supersample"] = options.supersample;
-    root["reference"] = {{"gpu_bytes", result.reference_gpu_bytes}, {"frame_ms", result.reference_ms}, {"triangles", result.reference_triangles}};
+    root["reference"] = {{"gpu_bytes", result.reference_gpu_bytes},
+                         {"frame_ms", result.reference_ms},
+                         {"triangles", result.reference_triangles}};
     for (const SettingResult& setting : result.settings) {
         const SettingSummary s = summarise(setting);
-        nlohmann::ordered_json one = {{"knob", setting.setting.knob}, {"value", setting.setting.value}, {"wire_bytes", setting.total_wire_bytes},
-                                      {"gpu_bytes_most", setting.largest_gpu_bytes}, {"gpu_ms_median", s.gpu_ms}, {"psnr_db_median", s.psnr_db},
-                                      {"psnr_db_least", s.least_psnr_db}, {"ssim_median", s.ssim}, {"flip_median", s.flip},
-                                      {"achieved_error_pixels_most", s.achieved_error_pixels}, {"warnings", setting.warnings}};
+        nlohmann::ordered_json one = {{"knob", setting.setting.knob},
+                                      {"value", setting.setting.value},
+                                      {"wire_bytes", setting.total_wire_bytes},
+                                      {"gpu_bytes_most", setting.largest_gpu_bytes},
+                                      {"gpu_ms_median", s.gpu_ms},
+                                      {"psnr_db_median", s.psnr_db},
+                                      {"psnr_db_least", s.least_psnr_db},
+                                      {"ssim_median", s.ssim},
+                                      {"flip_median", s.flip},
+                                      {"achieved_error_pixels_most", s.achieved_error_pixels},
+                                      {"warnings", setting.warnings}};
         root["settings"].push_back(std::move(one));
     }
     return root.dump(2) + "\n";
@@ -140,18 +181,24 @@ std::string report_json(const SweepOptions& options, const SweepResult& result) 
 std::string report_html(const SweepOptions& options, const SweepResult& result) {
     std::string out =
         "<!doctype html><html lang='en'><head><meta charset='utf-8'><title>citystream report</title><style>"
-        "body{font-family:sans-serif;margin:2em;max-width:1400px}table{border-collapse:collapse}td,th{border:1px solid #ccc;padding:.3em .6em;text-align:right}"
-        ".row{display:flex;flex-wrap:wrap;gap:8px}figure{margin:0}img{width:320px}figcaption{font-size:12px}</style></head><body>\n";
-    out += fmt::format("<h1>Error against run time and bytes</h1><p>City {}, {} x {} pixels, {} cameras along the path. Drawn on {}; reference (uncompressed triangles, {:.1f} MiB) on {}. "
-                       "Each setting starts cold. FLIP: mean per frame at 67 pixels a degree.</p>\n",
-                       escape_html(std::filesystem::path(options.city).filename().string()), options.width, options.height, result.reference_pictures.size(),
-                       escape_html(result.device), static_cast<double>(result.reference_gpu_bytes) / (1 << 20), escape_html(result.reference_device));
+        "body{font-family:sans-serif;margin:2em;max-width:1400px}table{border-collapse:collapse}td,th{border:1px solid "
+        "#ccc;padding:.3em .6em;text-align:right}"
+        ".row{display:flex;flex-wrap:wrap;gap:8px}figure{margin:0}img{width:320px}figcaption{font-size:12px}</style></"
+        "head><body>\n";
+    out += fmt::format(
+        "<h1>Error against run time and bytes</h1><p>City {}, {} x {} pixels, {} cameras along the path. Drawn on {}; "
+        "reference (uncompressed triangles, {:.1f} MiB) on {}. "
+        "Each setting starts cold. FLIP: mean per frame at 67 pixels a degree.</p>\n",
+        escape_html(std::filesystem::path(options.city).filename().string()), options.width, options.height,
+        result.reference_pictures.size(), escape_html(result.device),
+        static_cast<double>(result.reference_gpu_bytes) / (1 << 20), escape_html(result.reference_device));
     out += summary_table(result);
     out += "<div class='row'>\n";
     for (const auto& [name, svg] : plots_of(result)) out += svg;
     out += "</div>\n";
     std::set<std::string> warnings;
-    for (const SettingResult& setting : result.settings) warnings.insert(setting.warnings.begin(), setting.warnings.end());
+    for (const SettingResult& setting : result.settings)
+        warnings.insert(setting.warnings.begin(), setting.warnings.end());
     for (const std::string& warning : warnings) out += "<p>Warning: " + escape_html(warning) + "</p>\n";
     return out + picture_rows(result) + "</body></html>\n";
 }

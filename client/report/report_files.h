@@ -1,4 +1,5 @@
-// The files of a report: frames.csv (a row a frame and setting), report.json, plots (SVG) and index.html with the pictures.
+// The files of a report: frames.csv (a row a frame and setting), report.json, plots (SVG) and index.html with the
+// pictures.
 #pragma once
 
 #include <string>

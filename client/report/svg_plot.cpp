@@ -56,20 +56,26 @@ struct Scale {
     }
 };
 
-double pixel_x(const Scale& scale, double x) { return kLeft + scale.position(x) * (kWidth - kLeft - kRight); }
-double pixel_y(const Scale& scale, double y) { return kHeight - kBottom - scale.position(y) * (kHeight - kTop - kBottom); }
+double pixel_x(const Scale& scale, double x) {
+    return kLeft + scale.position(x) * (kWidth - kLeft - kRight);
+}
+double pixel_y(const Scale& scale, double y) {
+    return kHeight - kBottom - scale.position(y) * (kHeight - kTop - kBottom);
+}
 
 std::string grid(const Scale& x, const Scale& y) {
     std::string out;
     for (const double tick : x.ticks()) {
         const double at = pixel_x(x, tick);
-        out += fmt::format("<path d='M{0:.1f} {1}V{2}' stroke='#ddd'/><text x='{0:.1f}' y='{3}' text-anchor='middle'>{4:.4g}</text>\n", at, kTop,
-                           kHeight - kBottom, kHeight - kBottom + 16, tick);
+        out += fmt::format(
+            "<path d='M{0:.1f} {1}V{2}' stroke='#ddd'/><text x='{0:.1f}' y='{3}' text-anchor='middle'>{4:.4g}</text>\n",
+            at, kTop, kHeight - kBottom, kHeight - kBottom + 16, tick);
     }
     for (const double tick : y.ticks()) {
         const double at = pixel_y(y, tick);
-        out += fmt::format("<path d='M{1} {0:.1f}H{2}' stroke='#ddd'/><text x='{3}' y='{4:.1f}' text-anchor='end'>{5:.4g}</text>\n", at, kLeft,
-                           kWidth - kRight, kLeft - 6, at + 4, tick);
+        out += fmt::format(
+            "<path d='M{1} {0:.1f}H{2}' stroke='#ddd'/><text x='{3}' y='{4:.1f}' text-anchor='end'>{5:.4g}</text>\n",
+            at, kLeft, kWidth - kRight, kLeft - 6, at + 4, tick);
     }
     return out;
 }
@@ -85,11 +91,12 @@ std::string draw_series(const PlotAxes& axes, const PlotSeries& series, size_t i
         if (!drawable(axes, point)) continue;
         const double px = pixel_x(x, point.x), py = pixel_y(y, point.y);
         line += fmt::format("{}{:.1f} {:.1f}", line.empty() ? "M" : "L", px, py);
-        marks += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='4' fill='{}'/><text x='{:.1f}' y='{:.1f}'>{}</text>\n", px, py, colour, px + 6, py - 6,
-                             escape_html(point.label));
+        marks += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='4' fill='{}'/><text x='{:.1f}' y='{:.1f}'>{}</text>\n",
+                             px, py, colour, px + 6, py - 6, escape_html(point.label));
     }
-    return fmt::format("<path d='{}' fill='none' stroke='{}' stroke-width='1.5'/>\n{}<text x='{}' y='{}' fill='{}'>{}</text>\n", line, colour, marks,
-                       kLeft + 8, kTop + 16 + 16 * static_cast<double>(index), colour, escape_html(series.name));
+    return fmt::format(
+        "<path d='{}' fill='none' stroke='{}' stroke-width='1.5'/>\n{}<text x='{}' y='{}' fill='{}'>{}</text>\n", line,
+        colour, marks, kLeft + 8, kTop + 16 + 16 * static_cast<double>(index), colour, escape_html(series.name));
 }
 
 }  // namespace
@@ -98,11 +105,20 @@ std::string escape_html(const std::string& text) {
     std::string out;
     for (const char c : text) {
         switch (c) {
-            case '&': out += "&amp;"; break;
-            case '<': out += "&lt;"; break;
-            case '>': out += "&gt;"; break;
-            case '"': out += "&quot;"; break;
-            default: out += c;
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
         }
     }
     return out;
@@ -119,7 +135,8 @@ std::string plot_svg(const PlotAxes& axes, const std::vector<PlotSeries>& series
         }
     }
     std::string out = fmt::format(
-        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' height='{1}' font-family='sans-serif' font-size='12'>\n"
+        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 {0} {1}' width='{0}' height='{1}' "
+        "font-family='sans-serif' font-size='12'>\n"
         "<rect width='{0}' height='{1}' fill='white'/><text x='{2}' y='22' font-size='15'>{3}</text>\n",
         kWidth, kHeight, kLeft, escape_html(axes.title));
     if (x.low > x.high) return out + "<text x='70' y='200'>no points</text></svg>\n";
@@ -128,8 +145,10 @@ std::string plot_svg(const PlotAxes& axes, const std::vector<PlotSeries>& series
     out += grid(x, y);
     for (size_t i = 0; i < series.size(); ++i) out += draw_series(axes, series[i], i, x, y);
     out += fmt::format(
-        "<text x='{}' y='{}' text-anchor='middle'>{}</text><text transform='translate(16 {}) rotate(-90)' text-anchor='middle'>{}</text></svg>\n",
-        (kLeft + kWidth - kRight) / 2, kHeight - 14, escape_html(axes.x_label), (kTop + kHeight - kBottom) / 2, escape_html(axes.y_label));
+        "<text x='{}' y='{}' text-anchor='middle'>{}</text><text transform='translate(16 {}) rotate(-90)' "
+        "text-anchor='middle'>{}</text></svg>\n",
+        (kLeft + kWidth - kRight) / 2, kHeight - 14, escape_html(axes.x_label), (kTop + kHeight - kBottom) / 2,
+        escape_html(axes.y_label));
     return out;
 }
 

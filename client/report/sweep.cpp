@@ -17,7 +17,8 @@ std::vector<CameraSample> cameras_of(const SweepOptions& options) {
     std::vector<CameraSample> cameras;
     const double begin = options.path.samples.front().t, duration = options.path.duration();
     for (uint32_t i = 0; i < options.frames; ++i)
-        cameras.push_back(options.path.at(begin + duration * (options.frames == 1 ? 0 : static_cast<double>(i) / (options.frames - 1))));
+        cameras.push_back(options.path.at(
+            begin + duration * (options.frames == 1 ? 0 : static_cast<double>(i) / (options.frames - 1))));
     return cameras;
 }
 
@@ -26,7 +27,8 @@ FrameImage picture_of(const std::vector<float>& flip, uint32_t width, uint32_t h
     for (size_t i = 0; i < flip.size(); ++i) {
         // Black over red and yellow to white, so that small errors stay visible in print.
         const float v = std::clamp(flip[i], 0.0f, 1.0f) * 3;
-        for (size_t c = 0; c < 3; ++c) out.rgba[4 * i + c] = static_cast<uint8_t>(255 * std::clamp(v - static_cast<float>(c), 0.0f, 1.0f));
+        for (size_t c = 0; c < 3; ++c)
+            out.rgba[4 * i + c] = static_cast<uint8_t>(255 * std::clamp(v - static_cast<float>(c), 0.0f, 1.0f));
     }
     return out;
 }
@@ -39,8 +41,11 @@ class Sweep {
     Result<SettingResult> fly(const Setting& setting, SweepResult& result);
 
   private:
-    Result<FrameRow> fly_frame(uint32_t i, const std::string& prefix, VulkanRenderer& renderer, CityStreamer& streamer, SettingResult& out);
-    std::string file(const std::string& name) const { return (std::filesystem::path(options_.picture_folder) / name).string(); }
+    Result<FrameRow> fly_frame(uint32_t i, const std::string& prefix, VulkanRenderer& renderer, CityStreamer& streamer,
+                               SettingResult& out);
+    std::string file(const std::string& name) const {
+        return (std::filesystem::path(options_.picture_folder) / name).string();
+    }
     void say(const std::string& line) const {
         if (options_.progress) options_.progress(line);
     }
@@ -65,14 +70,17 @@ Status Sweep::draw_references(SweepResult& result) {
         result.reference_pictures.push_back(fmt::format("reference_{:03}.png", i));
         result.reference_ms.push_back((*reference)->last_frame_ms());
         result.reference_triangles.push_back((*reference)->triangles_drawn());
-        if (Status written = write_png(file(result.reference_pictures.back()), *image); !written) return written.error();
+        if (Status written = write_png(file(result.reference_pictures.back()), *image); !written)
+            return written.error();
         references_.push_back(std::move(image).value());
-        say(fmt::format("reference frame {} of {}: {} triangles", i + 1, cameras_.size(), result.reference_triangles.back()));
+        say(fmt::format("reference frame {} of {}: {} triangles", i + 1, cameras_.size(),
+                        result.reference_triangles.back()));
     }
     return Done{};
 }
 
-Result<FrameRow> Sweep::fly_frame(uint32_t i, const std::string& prefix, VulkanRenderer& renderer, CityStreamer& streamer, SettingResult& out) {
+Result<FrameRow> Sweep::fly_frame(uint32_t i, const std::string& prefix, VulkanRenderer& renderer,
+                                  CityStreamer& streamer, SettingResult& out) {
     const Camera camera = Camera::from_sample(cameras_[i], options_.width, options_.height);
     StreamerFrame streamed;
     const std::vector<TileDraw>& tiles = streamer.update(camera, streamed);
@@ -118,7 +126,8 @@ Result<SettingResult> Sweep::fly(const Setting& setting, SweepResult& result) {
     streamer_options.tolerance_pixels = options_.tolerance_pixels;
     streamer_options.host_budget_bytes = options_.host_budget_bytes;
     if (setting.knob == "tolerance") streamer_options.tolerance_pixels = setting.value;
-    if (setting.knob == "gpu-budget") renderer_options.gpu_budget_bytes = static_cast<uint64_t>(setting.value * (1 << 20));
+    if (setting.knob == "gpu-budget")
+        renderer_options.gpu_budget_bytes = static_cast<uint64_t>(setting.value * (1 << 20));
 
     auto renderer = VulkanRenderer::create(renderer_options);
     if (!renderer) return renderer.error();
@@ -134,8 +143,8 @@ Result<SettingResult> Sweep::fly(const Setting& setting, SweepResult& result) {
     for (uint32_t i = 0; i < cameras_.size(); ++i) {
         auto row = fly_frame(i, prefix, **renderer, **streamer, out);
         if (!row) return row.error();
-        say(fmt::format("{} {:g}, frame {} of {}: {:.2f} dB, {} bytes", setting.knob, setting.value, i + 1, cameras_.size(),
-                        row->difference.psnr_db, row->wire_bytes));
+        say(fmt::format("{} {:g}, frame {} of {}: {:.2f} dB, {} bytes", setting.knob, setting.value, i + 1,
+                        cameras_.size(), row->difference.psnr_db, row->wire_bytes));
         out.frames.push_back(std::move(row).value());
     }
     return out;

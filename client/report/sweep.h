@@ -1,4 +1,5 @@
-// Flies a city once per setting of a knob and measures what each setting costs and how far its pictures are from the reference.
+// Flies a city once per setting of a knob and measures what each setting costs and how far its pictures are from the
+// reference.
 #pragma once
 
 #include <functional>
@@ -14,22 +15,22 @@ namespace citystream::client {
 
 /// One setting of one knob; all others stay at the defaults of SweepOptions.
 struct Setting {
-    std::string knob;   ///< "tolerance" (pixels) or "gpu-budget" (MiB)
+    std::string knob;  ///< "tolerance" (pixels) or "gpu-budget" (MiB)
     double value = 0;
 };
 
 struct SweepOptions {
-    std::string city;              ///< any place that Fetcher::open takes
-    std::string reference;         ///< .glb of the same city
+    std::string city;       ///< any place that Fetcher::open takes
+    std::string reference;  ///< .glb of the same city
     CameraPath path;
-    uint32_t frames = 8;           ///< cameras, evenly spaced in time along the path
+    uint32_t frames = 8;  ///< cameras, evenly spaced in time along the path
     uint32_t width = 1280, height = 720;
     uint32_t supersample = 1;
     double tolerance_pixels = 1;
     uint64_t gpu_budget_bytes = 512ull << 20;
     uint64_t host_budget_bytes = 1ull << 30;
     std::string device;
-    std::string picture_folder;    ///< frames, references and FLIP maps are written here as PNG
+    std::string picture_folder;  ///< frames, references and FLIP maps are written here as PNG
     std::function<void(const std::string& line)> progress;
 };
 
@@ -37,12 +38,12 @@ struct FrameRow {
     uint32_t frame = 0;
     double t = 0;
     double gpu_ms = 0, select_ms = 0, decode_ms = 0;
-    uint64_t wire_bytes = 0;       ///< fetched for this frame
-    uint64_t gpu_bytes = 0;        ///< layer slots in use
+    uint64_t wire_bytes = 0;  ///< fetched for this frame
+    uint64_t gpu_bytes = 0;   ///< layer slots in use
     uint64_t tiles = 0;
     double tolerance_used = 0, achieved_error_pixels = 0;
     ImageDifference difference;
-    std::string picture;           ///< file name in picture_folder
+    std::string picture;  ///< file name in picture_folder
     std::string flip_picture;
 };
 
@@ -63,7 +64,8 @@ struct SweepResult {
     std::vector<SettingResult> settings;
 };
 
-/// Draws the reference once per camera, then every setting from a cold start (new connection, empty caches), offline, so that bytes and pictures repeat exactly.
+/// Draws the reference once per camera, then every setting from a cold start (new connection, empty caches), offline,
+/// so that bytes and pictures repeat exactly.
 Result<SweepResult> run_sweep(const SweepOptions& options, const std::vector<Setting>& settings);
 
 /// Median of a column; 0 for no frames.

@@ -13,12 +13,16 @@ using namespace citystream::bench;
 using namespace citystream::tiles;
 
 constexpr const char* kClaim =
-    "ArchiveReader::find (MD5 of the name, binary search in the mapped index) against std::unordered_map<std::string, span> filled with the\n"
-    "same entries; and parsing all subtrees of a city against copying their bytes. *_ratio: our time over the baseline's. Every lookup and\n"
+    "ArchiveReader::find (MD5 of the name, binary search in the mapped index) against std::unordered_map<std::string, "
+    "span> filled with the\n"
+    "same entries; and parsing all subtrees of a city against copying their bytes. *_ratio: our time over the "
+    "baseline's. Every lookup and\n"
     "every parsed subtree is compared with what was written.";
 constexpr size_t kLookups = 4096;
 
-std::string entry_name(size_t i) { return "tiles/" + std::to_string(i % 12) + "/" + std::to_string(i) + "/" + std::to_string(i * 7) + ".mesh"; }
+std::string entry_name(size_t i) {
+    return "tiles/" + std::to_string(i % 12) + "/" + std::to_string(i) + "/" + std::to_string(i * 7) + ".mesh";
+}
 
 Status write_archive(const std::string& path, size_t entries) {
     auto writer = archive::ArchiveWriter::create(path);
@@ -51,16 +55,23 @@ void measure_lookups(size_t entries, const TemporaryFolder& folder, int repetiti
     program.check(right, "every entry is found with its own bytes");
     program.check((*reader)->find("tiles/none.mesh").data() == nullptr, "a name that is not there is not found");
 
-    const std::vector<std::function<void()>> work = {[&] { for (const auto& name : names) keep((*reader)->find(name)); },
-                                                     [&] { for (const auto& name : names) keep(map.find(name)->second); }};
+    const std::vector<std::function<void()>> work = {[&] {
+                                                         for (const auto& name : names) keep((*reader)->find(name));
+                                                     },
+                                                     [&] {
+                                                         for (const auto& name : names) keep(map.find(name)->second);
+                                                     }};
     const auto seconds = time_in_turn(work, repetitions);
     std::vector<double> nanoseconds;
     for (const double value : seconds[0]) nanoseconds.push_back(value / kLookups * 1e9);
-    program.print({{"case", "find"}, {"entries", entries}, {"ns_per_lookup", to_json(spread_of(nanoseconds))},
+    program.print({{"case", "find"},
+                   {"entries", entries},
+                   {"ns_per_lookup", to_json(spread_of(nanoseconds))},
                    {"find_to_unordered_map_ratio", to_json(ratio_of(seconds[0], seconds[1]))}});
 }
 
-void measure_directory(const std::string& name, const Result<SampleCity>& city, int repetitions, BenchProgram& program) {
+void measure_directory(const std::string& name, const Result<SampleCity>& city, int repetitions,
+                       BenchProgram& program) {
     if (!program.check(city.ok(), city.ok() ? "" : city.error().text())) return;
     size_t bytes = 0, tiles = 0;
     for (const auto& subtree : city->subtrees) {
@@ -71,7 +82,10 @@ void measure_directory(const std::string& name, const Result<SampleCity>& city, 
         tiles += subtree.parsed.tiles.size();
     }
     const std::vector<std::function<void()>> work = {
-        [&] { for (const auto& subtree : city->subtrees) keep(tileset::parse_subtree(subtree.bytes, subtree.parsed.root, city->manifest).ok()); },
+        [&] {
+            for (const auto& subtree : city->subtrees)
+                keep(tileset::parse_subtree(subtree.bytes, subtree.parsed.root, city->manifest).ok());
+        },
         [&] {
             for (const auto& subtree : city->subtrees) {
                 const std::vector<std::byte> copy(subtree.bytes.begin(), subtree.bytes.end());
@@ -84,9 +98,14 @@ void measure_directory(const std::string& name, const Result<SampleCity>& city, 
         rates.push_back(static_cast<double>(bytes) / value / 1e6);
         tile_rates.push_back(value / static_cast<double>(tiles) * 1e6);
     }
-    program.print({{"case", "directory"}, {"city", name}, {"subtrees", city->subtrees.size()}, {"tiles", tiles}, {"bytes", bytes},
+    program.print({{"case", "directory"},
+                   {"city", name},
+                   {"subtrees", city->subtrees.size()},
+                   {"tiles", tiles},
+                   {"bytes", bytes},
                    {"bytes_per_tile", rounded(static_cast<double>(bytes) / static_cast<double>(tiles))},
-                   {"parse_MB_per_s", to_json(spread_of(rates))}, {"microseconds_per_tile", to_json(spread_of(tile_rates))},
+                   {"parse_MB_per_s", to_json(spread_of(rates))},
+                   {"microseconds_per_tile", to_json(spread_of(tile_rates))},
                    {"parse_to_copy_ratio", to_json(ratio_of(seconds[0], seconds[1]))}});
 }
 
@@ -98,14 +117,18 @@ int main(int argc, char** argv) {
     options.buildings = 1000;
     if (!program.read_arguments(argc, argv, options)) return program.exit_code();
     const TemporaryFolder folder;
-    for (const size_t entries : {300UL, 10'000UL, 60'000UL}) measure_lookups(entries, folder, options.repetitions, program);
+    for (const size_t entries : {300UL, 10'000UL, 60'000UL})
+        measure_lookups(entries, folder, options.repetitions, program);
     if (options.files.empty()) {
         const std::string archive = folder / "generated.3tz";
         const Status built = build_generated(options.buildings, options.seed, {true, false, false, false}, archive);
         if (program.check(built.ok(), built.ok() ? "" : built.error().text())) {
-            measure_directory("generated:" + std::to_string(options.buildings), open_city(archive), options.repetitions, program);
+            measure_directory("generated:" + std::to_string(options.buildings), open_city(archive), options.repetitions,
+                              program);
         }
     }
-    for (const auto& file : options.files) measure_directory(std::filesystem::path(file).filename().string(), city_of_file(file, kAllLayers, folder), options.repetitions, program);
+    for (const auto& file : options.files)
+        measure_directory(std::filesystem::path(file).filename().string(), city_of_file(file, kAllLayers, folder),
+                          options.repetitions, program);
     return program.exit_code();
 }

@@ -21,8 +21,10 @@ using namespace citystream::bench;
 using codec::atlas::ChartImage;
 
 constexpr const char* kClaim =
-    "BC1 of procedural textures and photographs: our encoder, libsquish range fit and cluster fit (equal weights, decoded by one decoder).\n"
-    "psnr_db over all three channels. speed_to_range_fit: Mtexel/s over those of the range fit, on a 256 x 256 part. wire_bytes: blocks of the\n"
+    "BC1 of procedural textures and photographs: our encoder, libsquish range fit and cluster fit (equal weights, "
+    "decoded by one decoder).\n"
+    "psnr_db over all three channels. speed_to_range_fit: Mtexel/s over those of the range fit, on a 256 x 256 part. "
+    "wire_bytes: blocks of the\n"
     "finest mip after zstd -19; png_bytes and rgb_zstd_bytes of the same image without loss. FILEs are images.";
 constexpr size_t kMostTextures = 6, kMostPhotographs = 6;
 constexpr uint32_t kTimedSide = 256;
@@ -37,7 +39,8 @@ Blocks encode_image(const ChartImage& image, EncodeBlock encode_block) {
     for (uint32_t y = 0; y < image.height; y += 4) {
         for (uint32_t x = 0; x < image.width; x += 4) {
             uint8_t texels[48];
-            for (uint32_t row = 0; row < 4; ++row) std::memcpy(texels + 12 * row, &image.rgb[3 * (size_t{y + row} * image.width + x)], 12);
+            for (uint32_t row = 0; row < 4; ++row)
+                std::memcpy(texels + 12 * row, &image.rgb[3 * (size_t{y + row} * image.width + x)], 12);
             uint32_t block[2];
             encode_block(texels, block);
             blocks.insert(blocks.end(), block, block + 2);
@@ -47,7 +50,8 @@ Blocks encode_image(const ChartImage& image, EncodeBlock encode_block) {
 }
 
 Blocks encode_ours(const ChartImage& image) {
-    return encode_image(image, [](const uint8_t* texels, uint32_t* block) { codec::atlas::encode_bc1_block(texels, block); });
+    return encode_image(image,
+                        [](const uint8_t* texels, uint32_t* block) { codec::atlas::encode_bc1_block(texels, block); });
 }
 
 Blocks encode_squish(const ChartImage& image, int fit) {
@@ -107,7 +111,8 @@ uint64_t png_bytes(const ChartImage& image) {
     const auto output = OIIO::ImageOutput::create("image.png", &memory);
     OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3, OIIO::TypeDesc::UINT8);
     spec.attribute("png:compressionLevel", 9);
-    const bool written = output && output->open("image.png", spec) && output->write_image(OIIO::TypeDesc::UINT8, image.rgb.data()) && output->close();
+    const bool written = output && output->open("image.png", spec) &&
+                         output->write_image(OIIO::TypeDesc::UINT8, image.rgb.data()) && output->close();
     return written ? file.size() : 0;
 }
 
@@ -127,7 +132,8 @@ bool layer_round_trips(const ChartImage& image, const Blocks& blocks) {
         const uint32_t x = i % image.width, y = i / image.width;
         uint8_t shown[3], expected[3];
         view->texel(0, 0, x, y, shown);
-        codec::atlas::decode_bc1_texel(&blocks[2 * (size_t{y / 4} * (image.width / 4) + x / 4)], y % 4 * 4 + x % 4, expected);
+        codec::atlas::decode_bc1_texel(&blocks[2 * (size_t{y / 4} * (image.width / 4) + x / 4)], y % 4 * 4 + x % 4,
+                                       expected);
         if (std::memcmp(shown, expected, 3) != 0) return false;
     }
     return true;
@@ -144,10 +150,12 @@ struct Totals {
     uint64_t wire = 0;
 };
 
-void measure_set(const std::string& set, const std::vector<ChartImage>& images, int repetitions, BenchProgram& program) {
-    const std::vector<Encoder> encoders = {{"citystream", encode_ours},
-                                           {"libsquish range fit", [](const ChartImage& i) { return encode_squish(i, squish::kColourRangeFit); }},
-                                           {"libsquish cluster fit", [](const ChartImage& i) { return encode_squish(i, squish::kColourClusterFit); }}};
+void measure_set(const std::string& set, const std::vector<ChartImage>& images, int repetitions,
+                 BenchProgram& program) {
+    const std::vector<Encoder> encoders = {
+        {"citystream", encode_ours},
+        {"libsquish range fit", [](const ChartImage& i) { return encode_squish(i, squish::kColourRangeFit); }},
+        {"libsquish cluster fit", [](const ChartImage& i) { return encode_squish(i, squish::kColourClusterFit); }}};
     std::vector<Totals> totals(encoders.size());
     uint64_t texels = 0, png = 0, rgb = 0;
     std::vector<std::vector<double>> speed(encoders.size()), rate(encoders.size());
@@ -159,11 +167,13 @@ void measure_set(const std::string& set, const std::vector<ChartImage>& images, 
             const Blocks blocks = encoders[i].encode(image);
             totals[i].psnr.push_back(psnr(image, blocks));
             totals[i].wire += codec::bits::compress_frame(std::as_bytes(std::span(blocks))).size();
-            if (i == 0) program.check(layer_round_trips(image, blocks), set + ": the atlas layer shows the encoder's blocks");
+            if (i == 0)
+                program.check(layer_round_trips(image, blocks), set + ": the atlas layer shows the encoder's blocks");
         }
         const ChartImage part = part_of(image, kTimedSide, kTimedSide);
         std::vector<std::function<void()>> work;
-        for (const Encoder& encoder : encoders) work.emplace_back([&encoder, &part] { keep(encoder.encode(part).size()); });
+        for (const Encoder& encoder : encoders)
+            work.emplace_back([&encoder, &part] { keep(encoder.encode(part).size()); });
         const auto seconds = time_in_turn(work, repetitions);
         for (size_t i = 0; i < encoders.size(); ++i) {
             for (int r = 0; r < repetitions; ++r) {
@@ -177,11 +187,20 @@ void measure_set(const std::string& set, const std::vector<ChartImage>& images, 
     for (size_t i = 0; i < encoders.size(); ++i) {
         std::vector<double> gain;
         for (size_t k = 0; k < images.size(); ++k) gain.push_back(totals[i].psnr[k] - totals[1].psnr[k]);
-        program.print({{"set", set}, {"encoder", encoders[i].name}, {"images", images.size()}, {"texels", texels},
-                       {"psnr_db", to_json(spread_of(totals[i].psnr))}, {"psnr_over_range_fit_db", to_json(spread_of(gain))},
-                       {"speed_to_range_fit", to_json(spread_of(speed[i]))}, {"mtexel_per_s", to_json(spread_of(rate[i]))},
-                       {"wire_bytes", totals[i].wire}, {"wire_bits_per_texel", ratio(8 * totals[i].wire, texels)},
-                       {"wire_to_png", ratio(totals[i].wire, png)}, {"resident_to_rgba8", 0.125}, {"png_bytes", png}, {"rgb_zstd_bytes", rgb}});
+        program.print({{"set", set},
+                       {"encoder", encoders[i].name},
+                       {"images", images.size()},
+                       {"texels", texels},
+                       {"psnr_db", to_json(spread_of(totals[i].psnr))},
+                       {"psnr_over_range_fit_db", to_json(spread_of(gain))},
+                       {"speed_to_range_fit", to_json(spread_of(speed[i]))},
+                       {"mtexel_per_s", to_json(spread_of(rate[i]))},
+                       {"wire_bytes", totals[i].wire},
+                       {"wire_bits_per_texel", ratio(8 * totals[i].wire, texels)},
+                       {"wire_to_png", ratio(totals[i].wire, png)},
+                       {"resident_to_rgba8", 0.125},
+                       {"png_bytes", png},
+                       {"rgb_zstd_bytes", rgb}});
     }
     program.check(png > 0, "OpenImageIO writes the PNG");
     program.check(spread_of(totals[0].psnr).min > 20, set + ": our encoder keeps every image above 20 dB");
@@ -197,7 +216,8 @@ std::vector<ChartImage> procedural_textures(const BenchOptions& options) {
     tiles::city::generate_city(generator, header, catalog, report, [](tiles::city::CityObject&&) { return true; });
     std::vector<const tiles::city::Image*> found;
     for (const auto& source : catalog.images) {
-        if (source.pixels && source.pixels->width >= 4 && source.pixels->height >= 4) found.push_back(source.pixels.get());
+        if (source.pixels && source.pixels->width >= 4 && source.pixels->height >= 4)
+            found.push_back(source.pixels.get());
     }
     std::vector<ChartImage> images;
     const size_t count = std::min(kMostTextures, found.size());
@@ -244,7 +264,8 @@ int main(int argc, char** argv) {
     options.repetitions = 5;
     if (!program.read_arguments(argc, argv, options)) return program.exit_code();
     const auto textures = procedural_textures(options);
-    if (program.check(!textures.empty(), "the generator makes textures")) measure_set("procedural", textures, options.repetitions, program);
+    if (program.check(!textures.empty(), "the generator makes textures"))
+        measure_set("procedural", textures, options.repetitions, program);
     std::string set = "files";
     if (options.files.empty()) {
         options.files = kodak_files();
@@ -253,7 +274,8 @@ int main(int argc, char** argv) {
     std::vector<ChartImage> photographs;
     for (const auto& file : options.files) {
         photographs.push_back(read_photograph(file));
-        if (!program.check(!photographs.back().rgb.empty(), file + " is a colour image of at least 4 x 4 texels")) photographs.pop_back();
+        if (!program.check(!photographs.back().rgb.empty(), file + " is a colour image of at least 4 x 4 texels"))
+            photographs.pop_back();
     }
     if (photographs.empty()) {
         program.print_skipped("no photographs given and none in ../shared/data/kodak");

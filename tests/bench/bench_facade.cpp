@@ -22,11 +22,14 @@ using namespace citystream::bench;
 using namespace citystream::codec::facade;
 
 constexpr const char* kClaim =
-    "Displacement (int16) and material (uint8) maps of facades: raw arrays, PNG (16 bit and 8 bit grey), xz -9, zstd -19, and our run-grid\n"
-    "map kept as it is and sent with zstd -19. resident_bytes: what random access needs. *_to_ours: over our figure. Then the cells that a ray\n"
-    "crosses in cast_facade_ray, counted from its hits, by the angle between ray and wall normal. Every map is decoded and compared.\n"
+    "Displacement (int16) and material (uint8) maps of facades: raw arrays, PNG (16 bit and 8 bit grey), xz -9, zstd "
+    "-19, and our run-grid\n"
+    "map kept as it is and sent with zstd -19. resident_bytes: what random access needs. *_to_ours: over our figure. "
+    "Then the cells that a ray\n"
+    "crosses in cast_facade_ray, counted from its hits, by the angle between ray and wall normal. Every map is decoded "
+    "and compared.\n"
     "FILEs are facades.json folders of rasters: FOLDER/*_depth.png with FOLDER/*_material.png.";
-constexpr size_t kMostMaps = 40;
+constexpr size_t kMostMaps = 16;
 
 using Bytes = std::vector<std::byte>;
 
@@ -43,8 +46,9 @@ RawMap raw_of(const FacadeImage& image) {
 Bytes xz(const Bytes& raw) {
     Bytes out(lzma_stream_buffer_bound(raw.size()));
     size_t size = 0;
-    const auto result = lzma_easy_buffer_encode(9, LZMA_CHECK_CRC64, nullptr, reinterpret_cast<const uint8_t*>(raw.data()), raw.size(),
-                                                reinterpret_cast<uint8_t*>(out.data()), &size, out.size());
+    const auto result =
+        lzma_easy_buffer_encode(9, LZMA_CHECK_CRC64, nullptr, reinterpret_cast<const uint8_t*>(raw.data()), raw.size(),
+                                reinterpret_cast<uint8_t*>(out.data()), &size, out.size());
     out.resize(result == LZMA_OK ? size : 0);
     return out;
 }
@@ -62,7 +66,8 @@ uint64_t png_bytes(const void* pixels, const FacadeImage& image, OIIO::TypeDesc 
 uint64_t png_bytes(const FacadeImage& image) {
     std::vector<uint16_t> depth;
     for (const int16_t value : image.displacement_mm) depth.push_back(static_cast<uint16_t>(value + 32768));
-    return png_bytes(depth.data(), image, OIIO::TypeDesc::UINT16) + png_bytes(image.material.data(), image, OIIO::TypeDesc::UINT8);
+    return png_bytes(depth.data(), image, OIIO::TypeDesc::UINT16) +
+           png_bytes(image.material.data(), image, OIIO::TypeDesc::UINT8);
 }
 
 struct Sums {
@@ -82,17 +87,26 @@ void add(const FacadeImage& image, const std::vector<uint32_t>& words, Sums& sum
     program.check(png > 0, "OpenImageIO writes the PNG");
     sums.png += png;
     sums.xz += xz(raw.displacement).size() + xz(raw.material).size();
-    sums.zstd += codec::bits::compress_frame(raw.displacement).size() + codec::bits::compress_frame(raw.material).size();
+    sums.zstd +=
+        codec::bits::compress_frame(raw.displacement).size() + codec::bits::compress_frame(raw.material).size();
     sums.ours_resident += words.size() * 4;
     sums.ours_wire += codec::bits::compress_frame(std::as_bytes(std::span(words))).size();
 }
 
 void print_sums(const std::string& set, const Sums& sums, BenchProgram& program) {
     const auto line = [&](const char* representation, uint64_t wire, uint64_t resident) {
-        const auto ratio = [](uint64_t a, uint64_t b) { return rounded(static_cast<double>(a) / static_cast<double>(b)); };
-        program.print({{"set", set}, {"representation", representation}, {"maps", sums.maps}, {"texels", sums.texels}, {"wire_bytes", wire},
-                       {"resident_bytes", resident}, {"wire_to_ours", ratio(wire, sums.ours_wire)},
-                       {"resident_to_ours", ratio(resident, sums.ours_resident)}, {"wire_bits_per_texel", ratio(8 * wire, sums.texels)}});
+        const auto ratio = [](uint64_t a, uint64_t b) {
+            return rounded(static_cast<double>(a) / static_cast<double>(b));
+        };
+        program.print({{"set", set},
+                       {"representation", representation},
+                       {"maps", sums.maps},
+                       {"texels", sums.texels},
+                       {"wire_bytes", wire},
+                       {"resident_bytes", resident},
+                       {"wire_to_ours", ratio(wire, sums.ours_wire)},
+                       {"resident_to_ours", ratio(resident, sums.ours_resident)},
+                       {"wire_bits_per_texel", ratio(8 * wire, sums.texels)}});
     };
     line("citystream run-grid map + zstd -19", sums.ours_wire, sums.ours_resident);
     line("raw", sums.raw, sums.raw);
@@ -102,10 +116,16 @@ void print_sums(const std::string& set, const Sums& sums, BenchProgram& program)
 }
 
 /// Time to bring a map to where rays can be cast (check), and back to arrays, over copying the raw arrays.
-void measure_decoding(const std::string& set, const std::vector<FacadeImage>& images, const std::vector<std::vector<uint32_t>>& maps, int repetitions,
-                      BenchProgram& program) {
-    const std::vector<std::function<void()>> work = {[&] { for (const auto& words : maps) keep(FacadeMapView::create(words).ok()); },
-                                                     [&] { for (const auto& words : maps) keep(decode_facade_map(words)->width); },
+void measure_decoding(const std::string& set, const std::vector<FacadeImage>& images,
+                      const std::vector<std::vector<uint32_t>>& maps, int repetitions, BenchProgram& program) {
+    const std::vector<std::function<void()>> work = {[&] {
+                                                         for (const auto& words : maps)
+                                                             keep(FacadeMapView::create(words).ok());
+                                                     },
+                                                     [&] {
+                                                         for (const auto& words : maps)
+                                                             keep(decode_facade_map(words)->width);
+                                                     },
                                                      [&] {
                                                          for (const auto& image : images) {
                                                              const FacadeImage copy = image;
@@ -113,7 +133,10 @@ void measure_decoding(const std::string& set, const std::vector<FacadeImage>& im
                                                          }
                                                      }};
     const auto seconds = time_in_turn(work, repetitions);
-    program.print({{"set", set}, {"case", "decoding"}, {"maps", maps.size()}, {"check_to_raw_copy", to_json(ratio_of(seconds[0], seconds[2]))},
+    program.print({{"set", set},
+                   {"case", "decoding"},
+                   {"maps", maps.size()},
+                   {"check_to_raw_copy", to_json(ratio_of(seconds[0], seconds[2]))},
                    {"expand_to_raw_copy", to_json(ratio_of(seconds[1], seconds[2]))}});
 }
 
@@ -134,9 +157,11 @@ void cast_rays(const FacadeMapView& map, double degrees, RayCount& count, bool& 
     const double tilt = degrees * std::numbers::pi / 180;
     for (int i = 0; i < 256; ++i) {
         const double turn = (i % 8 + 0.37) * std::numbers::pi / 4;
-        const double origin[3] = {(i % 16 + 0.43) / 16 * map.width(), (i / 16 + 0.57) / 16 * map.height(), map.depth_max_mm() + 1e-3};
+        const double origin[3] = {(i % 16 + 0.43) / 16 * map.width(), (i / 16 + 0.57) / 16 * map.height(),
+                                  map.depth_max_mm() + 1e-3};
         // A texel is 10 mm: u and v go in texels, w in millimetres.
-        const double direction[3] = {std::sin(tilt) * std::cos(turn) / 10, std::sin(tilt) * std::sin(turn) / 10, -std::cos(tilt)};
+        const double direction[3] = {std::sin(tilt) * std::cos(turn) / 10, std::sin(tilt) * std::sin(turn) / 10,
+                                     -std::cos(tilt)};
         const FacadeRayHit hit = cast_facade_ray(map, origin, direction);
         ++count.rays;
         if (!hit.hit) continue;
@@ -160,14 +185,20 @@ void measure_rays(const std::string& set, const std::vector<std::vector<uint32_t
             most += 256 * (uint64_t{view->columns()} + view->rows() + 2);
         }
         const double cells = static_cast<double>(count.cells) / static_cast<double>(std::max<uint64_t>(count.hits, 1));
-        program.print({{"set", set}, {"case", "rays"}, {"degrees", degrees}, {"rays", count.rays}, {"hits", count.hits},
-                       {"cells_per_hit", rounded(cells)},
-                       {"ratio_to_worst_case", rounded(cells * static_cast<double>(count.rays) / static_cast<double>(most))}});
+        program.print(
+            {{"set", set},
+             {"case", "rays"},
+             {"degrees", degrees},
+             {"rays", count.rays},
+             {"hits", count.hits},
+             {"cells_per_hit", rounded(cells)},
+             {"ratio_to_worst_case", rounded(cells * static_cast<double>(count.rays) / static_cast<double>(most))}});
     }
     program.check(inside, "every hit lies on the facade");
 }
 
-void measure_set(const std::string& set, const std::vector<FacadeImage>& images, int repetitions, BenchProgram& program) {
+void measure_set(const std::string& set, const std::vector<FacadeImage>& images, int repetitions,
+                 BenchProgram& program) {
     Sums sums;
     std::vector<std::vector<uint32_t>> maps;
     for (const FacadeImage& image : images) {
@@ -206,7 +237,8 @@ std::vector<uint16_t> read_grey(const std::string& path, int& width, int& height
     height = input->spec().height;
     std::vector<uint16_t> pixels(static_cast<size_t>(width) * static_cast<size_t>(height));
     // Read in the file's own type: a conversion from 8 bits would stretch the numbers.
-    if (input->spec().format == OIIO::TypeDesc::UINT16) return input->read_image(0, 0, 0, 1, OIIO::TypeDesc::UINT16, pixels.data()) ? pixels : std::vector<uint16_t>{};
+    if (input->spec().format == OIIO::TypeDesc::UINT16)
+        return input->read_image(0, 0, 0, 1, OIIO::TypeDesc::UINT16, pixels.data()) ? pixels : std::vector<uint16_t>{};
     std::vector<uint8_t> bytes(pixels.size());
     if (!input->read_image(0, 0, 0, 1, OIIO::TypeDesc::UINT8, bytes.data())) return {};
     std::copy(bytes.begin(), bytes.end(), pixels.begin());
@@ -256,7 +288,8 @@ int main(int argc, char** argv) {
     options.buildings = 300;
     options.files = {};
     if (!program.read_arguments(argc, argv, options)) return program.exit_code();
-    measure_set("generated:" + std::to_string(options.buildings), generated_maps(options), options.repetitions, program);
+    measure_set("generated:" + std::to_string(options.buildings), generated_maps(options), options.repetitions,
+                program);
     const std::string surveyed = CITYSTREAM_SOURCE_DIR "/../shared/data/ingolstadt_facade_rasters";
     if (options.files.empty() && std::filesystem::exists(surveyed)) options.files.push_back(surveyed);
     if (options.files.empty()) program.print_skipped("no raster folder given and none in ../shared/data");

@@ -25,15 +25,20 @@ using tiles::tileset::kLayerCount;
 using tiles::tileset::Layer;
 
 constexpr const char* kClaim =
-    "Bytes received over the bytes of the layer prefixes that were drawn (over_fetch), for street, roof and high flights through a city at\n"
-    "1280 x 720 and 1 pixel. ours: CityStreamer, directory and facade index counted. whole_tiles: the same tiles, every layer with all its\n"
-    "steps. leaves_only: every visible leaf with the prefix that the rule asks for, no coarser levels. everything: all leaves, all steps.\n"
-    "The baselines' bytes are sums of the directory; all are put over the same drawn bytes. FILEs are cities or .3tz archives.";
+    "Bytes received over the bytes of the layer prefixes that were drawn (over_fetch), for street, roof and high "
+    "flights through a city at\n"
+    "1280 x 720 and 1 pixel. ours: CityStreamer, directory and facade index counted. whole_tiles: the same tiles, "
+    "every layer with all its\n"
+    "steps. leaves_only: every visible leaf with the prefix that the rule asks for, no coarser levels. everything: all "
+    "leaves, all steps.\n"
+    "The baselines' bytes are sums of the directory; all are put over the same drawn bytes. FILEs are cities or .3tz "
+    "archives.";
 constexpr uint64_t kSlotBytes = 16 << 10;
 constexpr uint64_t kStoreBytes = uint64_t{1} << 30;
 constexpr double kTolerance = 1;
 
-/// Bytes that a client without one of our means would receive: the longest prefix asked for of each layer, and maps once.
+/// Bytes that a client without one of our means would receive: the longest prefix asked for of each layer, and maps
+/// once.
 class Received {
   public:
     explicit Received(const CityKnowledge& knowledge) : knowledge_(knowledge) {}
@@ -90,7 +95,9 @@ bool learn_maps(const SampleCity& city, const DirectoryNode& node, TileKnowledge
 
 KnownCity know(const SampleCity& city, BenchProgram& program) {
     KnownCity known{DirectoryCache(city.manifest, nullptr), {}};
-    for (const auto& subtree : city.subtrees) program.check(known.directory.add_subtree(subtree.bytes, subtree.parsed.root).ok(), "a subtree joins the directory");
+    for (const auto& subtree : city.subtrees)
+        program.check(known.directory.add_subtree(subtree.bytes, subtree.parsed.root).ok(),
+                      "a subtree joins the directory");
     known.knowledge.tiles.resize(known.directory.nodes().size());
     known.knowledge.maps = city.maps;
     for (NodeIndex i = 0; i < known.directory.nodes().size(); ++i) {
@@ -118,7 +125,10 @@ Baselines baselines_of(const KnownCity& known, const Tour& tour) {
             const double scale = selector.pixels_per_metre(i);
             for (const Layer layer : {Layer::kMesh, Layer::kAtlas, Layer::kFacade}) {
                 if (layer == Layer::kFacade && nodes[i].record->flat_facade_error * scale <= kTolerance) continue;
-                leaves.add_layer(nodes[i], layer, shortest_prefix(nodes[i].record->steps(layer), usable_steps(nodes[i], known.knowledge.tiles[i], layer), scale, kTolerance));
+                leaves.add_layer(
+                    nodes[i], layer,
+                    shortest_prefix(nodes[i].record->steps(layer),
+                                    usable_steps(nodes[i], known.knowledge.tiles[i], layer), scale, kTolerance));
                 if (layer == Layer::kFacade) leaves.add_maps(known.knowledge.tiles[i].facade_maps);
             }
         }
@@ -147,7 +157,8 @@ Flight fly(const SampleCity& city, const Tour& tour) {
     if (!streamer) return {0, 0, 0, 0, streamer.error().text()};
     CityIndex index;
     index.learn(tiles::tileset::kTilesetPath, city.archive->find(tiles::tileset::kTilesetPath));
-    for (const auto& subtree : city.subtrees) index.learn(tiles::tileset::subtree_path(subtree.parsed.root), subtree.bytes);
+    for (const auto& subtree : city.subtrees)
+        index.learn(tiles::tileset::subtree_path(subtree.parsed.root), subtree.bytes);
     index.learn(tiles::tileset::kFacadeIndexPath, city.archive->find(tiles::tileset::kFacadeIndexPath));
     DrawnPrefixes drawn(index, store);
     for (const CameraSample& sample : tour.path.samples) {
@@ -163,21 +174,32 @@ Flight fly(const SampleCity& city, const Tour& tour) {
     return flight;
 }
 
-void measure_tour(const std::string& name, const SampleCity& city, const KnownCity& known, const Tour& tour, int repetitions, BenchProgram& program) {
+void measure_tour(const std::string& name, const SampleCity& city, const KnownCity& known, const Tour& tour,
+                  int repetitions, BenchProgram& program) {
     std::vector<double> over_fetch;
     Flight flight;
     for (int i = 0; i < repetitions; ++i) {
         flight = fly(city, tour);
         if (!program.check(flight.failure.empty(), name + ", " + tour.name + ": " + flight.failure)) return;
-        if (!program.check(flight.drawn > 0 && flight.received >= flight.drawn, tour.name + ": what is drawn was received")) return;
+        if (!program.check(flight.drawn > 0 && flight.received >= flight.drawn,
+                           tour.name + ": what is drawn was received"))
+            return;
         over_fetch.push_back(static_cast<double>(flight.received) / static_cast<double>(flight.drawn));
     }
     program.check(flight.tiles_missing == 0, tour.name + ": every tile is drawn as chosen");
     const Baselines baselines = baselines_of(known, tour);
-    const auto over = [&](uint64_t bytes) { return rounded(static_cast<double>(bytes) / static_cast<double>(flight.drawn)); };
-    program.print({{"city", name}, {"tour", tour.name}, {"cameras", tour.path.samples.size()}, {"requests", flight.requests},
-                   {"received_bytes", flight.received}, {"drawn_bytes", flight.drawn}, {"over_fetch", to_json(spread_of(over_fetch))},
-                   {"over_fetch_whole_tiles", over(baselines.whole_tiles)}, {"over_fetch_leaves_only", over(baselines.leaves_only)},
+    const auto over = [&](uint64_t bytes) {
+        return rounded(static_cast<double>(bytes) / static_cast<double>(flight.drawn));
+    };
+    program.print({{"city", name},
+                   {"tour", tour.name},
+                   {"cameras", tour.path.samples.size()},
+                   {"requests", flight.requests},
+                   {"received_bytes", flight.received},
+                   {"drawn_bytes", flight.drawn},
+                   {"over_fetch", to_json(spread_of(over_fetch))},
+                   {"over_fetch_whole_tiles", over(baselines.whole_tiles)},
+                   {"over_fetch_leaves_only", over(baselines.leaves_only)},
                    {"over_fetch_everything", over(baselines.everything)}});
 }
 
@@ -200,9 +222,12 @@ int main(int argc, char** argv) {
         const std::string archive = folder / "generated.3tz";
         const Status built = build_generated(options.buildings, options.seed, kAllLayers, archive);
         if (program.check(built.ok(), built.ok() ? "" : built.error().text())) {
-            measure_city("generated:" + std::to_string(options.buildings), open_city(archive), options.repetitions, program);
+            measure_city("generated:" + std::to_string(options.buildings), open_city(archive), options.repetitions,
+                         program);
         }
     }
-    for (const auto& file : options.files) measure_city(std::filesystem::path(file).filename().string(), city_of_file(file, kAllLayers, folder), options.repetitions, program);
+    for (const auto& file : options.files)
+        measure_city(std::filesystem::path(file).filename().string(), city_of_file(file, kAllLayers, folder),
+                     options.repetitions, program);
     return program.exit_code();
 }

@@ -20,14 +20,21 @@ Json to_json(const Spread& spread) {
 
 bool BenchProgram::read_arguments(int argc, char** argv, BenchOptions& options) {
     CLI::App app{description_.claim, description_.name};
-    app.footer(fmt::format("Prints one JSON line per case; exit code 1 when a result is wrong.\nExamples:\n  {0}\n  {0} --repetitions 15{1}",
-                           description_.name, description_.files.empty() ? "" : " " + description_.files));
-    if (!description_.files.empty()) app.add_option("FILE", options.files, description_.files)->check(CLI::ExistingPath);
+    app.footer(
+        fmt::format("Prints one JSON line per case; exit code 1 when a result is wrong.\nExamples:\n  {0}\n  {0} "
+                    "--repetitions 15{1}",
+                    description_.name, description_.files.empty() ? "" : " " + description_.files));
+    if (!description_.files.empty())
+        app.add_option("FILE", options.files, description_.files)->check(CLI::ExistingPath);
     if (description_.generates) {
-        app.add_option("--buildings", options.buildings, "of the generated city")->check(CLI::Range(1, 1'000'000))->capture_default_str();
+        app.add_option("--buildings", options.buildings, "of the generated city")
+            ->check(CLI::Range(1, 1'000'000))
+            ->capture_default_str();
         app.add_option("--seed", options.seed, "of the generated city")->capture_default_str();
     }
-    app.add_option("--repetitions", options.repetitions, "of each measurement")->check(CLI::Range(1, 1000))->capture_default_str();
+    app.add_option("--repetitions", options.repetitions, "of each measurement")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -16,9 +16,12 @@ using namespace citystream::client;
 using tiles::tileset::Layer;
 
 constexpr const char* kClaim =
-    "Selector::select over the whole directory of a city, for cameras at street, roof and great height, against a brute-force pass that tests\n"
-    "every tile of the directory by the same rule. Both must choose the same tiles and steps. tiles_visited: tiles that the walk looks at.\n"
-    "FILEs are cities or .3tz archives (a 30,000-building one: citystream-build generate --buildings 30000 --layers mesh -o city.3tz).";
+    "Selector::select over the whole directory of a city, for cameras at street, roof and great height, against a "
+    "brute-force pass that tests\n"
+    "every tile of the directory by the same rule. Both must choose the same tiles and steps. tiles_visited: tiles "
+    "that the walk looks at.\n"
+    "FILEs are cities or .3tz archives (a 30,000-building one: citystream-build generate --buildings 30000 --layers "
+    "mesh -o city.3tz).";
 constexpr uint64_t kSlotBytes = 16 << 10;
 
 /// One tile by the rule, from scratch.
@@ -32,7 +35,8 @@ Judgement judge(const DirectoryCache& directory, const DirectoryNode& node, cons
     const auto& bounds = node.record->bounds;
     result.visible = camera.sees(bounds, directory.origin());
     if (!result.visible) return result;
-    result.pixels_per_metre = camera.pixels_per_metre(std::max(camera.distance_to(bounds, directory.origin()), camera.near_plane));
+    result.pixels_per_metre =
+        camera.pixels_per_metre(std::max(camera.distance_to(bounds, directory.origin()), camera.near_plane));
     result.fine_enough = node.is_leaf() || node.record->geometric_error * result.pixels_per_metre <= tolerance;
     return result;
 }
@@ -42,8 +46,10 @@ struct BruteForce {
     uint64_t visited = 0;             ///< tiles that a walk from the root would look at
 };
 
-/// Judges every tile, then takes those that are fine enough below tiles that are not. The directory's nodes come parents first.
-BruteForce select_by_force(const DirectoryCache& directory, const CityKnowledge& knowledge, const Camera& camera, double tolerance) {
+/// Judges every tile, then takes those that are fine enough below tiles that are not. The directory's nodes come
+/// parents first.
+BruteForce select_by_force(const DirectoryCache& directory, const CityKnowledge& knowledge, const Camera& camera,
+                           double tolerance) {
     const auto& nodes = directory.nodes();
     std::vector<bool> open(nodes.size());  // every tile above is visible and too coarse
     BruteForce result;
@@ -56,9 +62,11 @@ BruteForce select_by_force(const DirectoryCache& directory, const CityKnowledge&
         SelectedTile tile;
         tile.node = i;
         for (const Layer layer : {Layer::kMesh, Layer::kAtlas, Layer::kFacade}) {
-            if (layer == Layer::kFacade && nodes[i].record->flat_facade_error * judged.pixels_per_metre <= tolerance) continue;
-            tile.steps[static_cast<size_t>(layer)] = shortest_prefix(nodes[i].record->steps(layer), usable_steps(nodes[i], knowledge.tiles[i], layer),
-                                                                     judged.pixels_per_metre, tolerance);
+            if (layer == Layer::kFacade && nodes[i].record->flat_facade_error * judged.pixels_per_metre <= tolerance)
+                continue;
+            tile.steps[static_cast<size_t>(layer)] =
+                shortest_prefix(nodes[i].record->steps(layer), usable_steps(nodes[i], knowledge.tiles[i], layer),
+                                judged.pixels_per_metre, tolerance);
         }
         result.tiles.push_back(tile);
     }
@@ -67,11 +75,12 @@ BruteForce select_by_force(const DirectoryCache& directory, const CityKnowledge&
 
 bool same_choice(std::vector<SelectedTile> a, const std::vector<SelectedTile>& b) {
     std::sort(a.begin(), a.end(), [](const auto& x, const auto& y) { return x.node < y.node; });
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) { return x.node == y.node && x.steps == y.steps; });
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const auto& x, const auto& y) { return x.node == y.node && x.steps == y.steps; });
 }
 
-void measure_tour(const std::string& name, const Tour& tour, const DirectoryCache& directory, const CityKnowledge& knowledge, double tolerance,
-                  int repetitions, BenchProgram& program) {
+void measure_tour(const std::string& name, const Tour& tour, const DirectoryCache& directory,
+                  const CityKnowledge& knowledge, double tolerance, int repetitions, BenchProgram& program) {
     Selector selector(directory, knowledge);
     std::vector<Camera> cameras;
     std::vector<double> visited, chosen;
@@ -85,25 +94,38 @@ void measure_tour(const std::string& name, const Tour& tour, const DirectoryCach
     }
     program.check(same, name + ", " + tour.name + ": the walk and the brute force choose the same");
     const std::vector<std::function<void()>> work = {
-        [&] { for (const Camera& camera : cameras) keep(selector.select(camera, tolerance, kSlotBytes).tiles.size()); },
-        [&] { for (const Camera& camera : cameras) keep(select_by_force(directory, knowledge, camera, tolerance).tiles.size()); }};
+        [&] {
+            for (const Camera& camera : cameras) keep(selector.select(camera, tolerance, kSlotBytes).tiles.size());
+        },
+        [&] {
+            for (const Camera& camera : cameras)
+                keep(select_by_force(directory, knowledge, camera, tolerance).tiles.size());
+        }};
     const auto seconds = time_in_turn(work, repetitions);
     std::vector<double> microseconds;
     for (const double value : seconds[0]) microseconds.push_back(value / static_cast<double>(cameras.size()) * 1e6);
-    program.print({{"city", name}, {"tour", tour.name}, {"tolerance_px", tolerance}, {"tiles", directory.nodes().size()}, {"cameras", cameras.size()},
-                   {"tiles_visited", to_json(spread_of(visited))}, {"tiles_chosen", to_json(spread_of(chosen))},
-                   {"microseconds", to_json(spread_of(microseconds))}, {"time_to_brute_force", to_json(ratio_of(seconds[0], seconds[1]))}});
+    program.print({{"city", name},
+                   {"tour", tour.name},
+                   {"tolerance_px", tolerance},
+                   {"tiles", directory.nodes().size()},
+                   {"cameras", cameras.size()},
+                   {"tiles_visited", to_json(spread_of(visited))},
+                   {"tiles_chosen", to_json(spread_of(chosen))},
+                   {"microseconds", to_json(spread_of(microseconds))},
+                   {"time_to_brute_force", to_json(ratio_of(seconds[0], seconds[1]))}});
 }
 
 void measure_city(const std::string& name, const Result<SampleCity>& city, int repetitions, BenchProgram& program) {
     if (!program.check(city.ok(), city.ok() ? "" : city.error().text())) return;
     DirectoryCache directory(city->manifest, nullptr);
-    for (const auto& subtree : city->subtrees) program.check(directory.add_subtree(subtree.bytes, subtree.parsed.root).ok(), "a subtree joins the directory");
+    for (const auto& subtree : city->subtrees)
+        program.check(directory.add_subtree(subtree.bytes, subtree.parsed.root).ok(), "a subtree joins the directory");
     CityKnowledge knowledge;
     knowledge.tiles.resize(directory.nodes().size());
     knowledge.maps = city->maps;
     for (const double tolerance : {1.0, 4.0}) {
-        for (const Tour& tour : tours_of(*city)) measure_tour(name, tour, directory, knowledge, tolerance, repetitions, program);
+        for (const Tour& tour : tours_of(*city))
+            measure_tour(name, tour, directory, knowledge, tolerance, repetitions, program);
     }
 }
 
@@ -119,9 +141,12 @@ int main(int argc, char** argv) {
         const std::string archive = folder / "generated.3tz";
         const Status built = build_generated(options.buildings, options.seed, {true, false, false, false}, archive);
         if (program.check(built.ok(), built.ok() ? "" : built.error().text())) {
-            measure_city("generated:" + std::to_string(options.buildings), open_city(archive), options.repetitions, program);
+            measure_city("generated:" + std::to_string(options.buildings), open_city(archive), options.repetitions,
+                         program);
         }
     }
-    for (const auto& file : options.files) measure_city(std::filesystem::path(file).filename().string(), city_of_file(file, kAllLayers, folder), options.repetitions, program);
+    for (const auto& file : options.files)
+        measure_city(std::filesystem::path(file).filename().string(), city_of_file(file, kAllLayers, folder),
+                     options.repetitions, program);
     return program.exit_code();
 }

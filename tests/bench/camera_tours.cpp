@@ -25,7 +25,8 @@ Tour make_tour(const SampleCity& city, const std::string& name, double above_gro
     Tour tour{name, {}};
     for (int i = 0; i < cameras; ++i) {
         const double along = 0.2 + 0.6 * i / std::max(1, cameras - 1);
-        const double x = extent.min[0] + along * (extent.max[0] - extent.min[0]), y = (extent.min[1] + extent.max[1]) / 2;
+        const double x = extent.min[0] + along * (extent.max[0] - extent.min[0]),
+                     y = (extent.min[1] + extent.max[1]) / 2;
         client::CameraSample sample;
         sample.t = i;
         sample.x = to_metres(city.manifest.origin.x) + x;
@@ -41,7 +42,8 @@ Tour make_tour(const SampleCity& city, const std::string& name, double above_gro
 }  // namespace
 
 std::vector<Tour> tours_of(const SampleCity& city, int cameras) {
-    return {make_tour(city, "street", 2, 0, cameras), make_tour(city, "roof", 40, -10, cameras), make_tour(city, "high", 400, -30, cameras)};
+    return {make_tour(city, "street", 2, 0, cameras), make_tour(city, "roof", 40, -10, cameras),
+            make_tour(city, "high", 400, -30, cameras)};
 }
 
 }  // namespace citystream::bench

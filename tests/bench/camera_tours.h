@@ -14,8 +14,8 @@ struct Tour {
     client::CameraPath path;
 };
 
-/// Three straight flights through the middle of the city, from west to east, of `cameras` cameras each: 2 m above the ground looking ahead,
-/// 40 m above it looking slightly down, and 400 m above it looking down by 30 degrees.
+/// Three straight flights through the middle of the city, from west to east, of `cameras` cameras each: 2 m above the
+/// ground looking ahead, 40 m above it looking slightly down, and 400 m above it looking down by 30 degrees.
 std::vector<Tour> tours_of(const SampleCity& city, int cameras = 24);
 
 }  // namespace citystream::bench

@@ -122,8 +122,8 @@ Wire encode_meshoptimizer(const PeerMesh& mesh) {
     std::vector<uint32_t> indices(mesh.indices.size());
     std::vector<PeerVertex> vertices(count);
     meshopt_optimizeVertexCacheStrip(indices.data(), mesh.indices.data(), mesh.indices.size(), count);
-    const size_t used = meshopt_optimizeVertexFetch(vertices.data(), indices.data(), indices.size(), mesh.vertices.data(),
-                                                    count, sizeof(PeerVertex));
+    const size_t used = meshopt_optimizeVertexFetch(vertices.data(), indices.data(), indices.size(),
+                                                    mesh.vertices.data(), count, sizeof(PeerVertex));
     std::vector<unsigned char> coded(meshopt_encodeVertexBufferBound(used, sizeof(PeerVertex)));
     coded.resize(meshopt_encodeVertexBuffer(coded.data(), coded.size(), vertices.data(), used, sizeof(PeerVertex)));
     std::vector<unsigned char> coded_indices(meshopt_encodeIndexBufferBound(indices.size(), used));
@@ -199,7 +199,8 @@ Wire encode_draco(const PeerMesh& mesh) {
     draco::Mesh input;
     fill_draco_mesh(mesh, input);
     uint32_t extent = 1;
-    for (const PeerVertex& vertex : mesh.vertices) extent = std::max(extent, *std::max_element(vertex.position.begin(), vertex.position.end()));
+    for (const PeerVertex& vertex : mesh.vertices)
+        extent = std::max(extent, *std::max_element(vertex.position.begin(), vertex.position.end()));
     const auto position_bits = static_cast<int>(codec::bits::bits_for(extent));
     const std::array<float, 3> zero = {};
     draco::ExpertEncoder encoder(input);
@@ -209,7 +210,8 @@ Wire encode_draco(const PeerMesh& mesh) {
     const auto range = [](int bits) { return static_cast<float>((1 << bits) - 1); };
     encoder.SetAttributeExplicitQuantization(kDracoPosition, position_bits, 3, zero.data(), range(position_bits));
     encoder.SetAttributeQuantization(kDracoNormal, kDracoNormalBits);
-    encoder.SetAttributeExplicitQuantization(kDracoTexcoord, kDracoTexcoordBits, 2, zero.data(), range(kDracoTexcoordBits));
+    encoder.SetAttributeExplicitQuantization(kDracoTexcoord, kDracoTexcoordBits, 2, zero.data(),
+                                             range(kDracoTexcoordBits));
     draco::EncoderBuffer buffer;
     Wire wire;
     if (!encoder.EncodeToBuffer(&buffer).ok()) return wire;
@@ -269,7 +271,9 @@ std::array<int32_t, 3> minimum_corner(const MeshTile& tile) {
     return low;
 }
 
-Corner corner_from(const std::array<uint32_t, 3>& position, uint32_t chart) { return {position[0], position[1], position[2], chart}; }
+Corner corner_from(const std::array<uint32_t, 3>& position, uint32_t chart) {
+    return {position[0], position[1], position[2], chart};
+}
 
 }  // namespace
 
@@ -347,15 +351,18 @@ Triangles triangles_of(const Resident& resident, const PeerMesh& of) {
         return sorted_triangles(view->triangle_count(), [&](size_t corner) {
             int32_t p[3];
             view->position(view->index(static_cast<uint32_t>(corner)), p);
-            return corner_from({static_cast<uint32_t>(p[0] - low[0]), static_cast<uint32_t>(p[1] - low[1]), static_cast<uint32_t>(p[2] - low[2])},
+            return corner_from({static_cast<uint32_t>(p[0] - low[0]), static_cast<uint32_t>(p[1] - low[1]),
+                                static_cast<uint32_t>(p[2] - low[2])},
                                view->atlas_chart(static_cast<uint32_t>(corner / 3)));
         });
     }
     return sorted_triangles(resident.indices.size() / 3, [&](size_t corner) {
         const uint32_t index = resident.indices[corner];
-        if (!resident.vertices.empty()) return corner_from(resident.vertices[index].position, resident.vertices[index].chart);
+        if (!resident.vertices.empty())
+            return corner_from(resident.vertices[index].position, resident.vertices[index].chart);
         std::array<uint32_t, 3> position{};
-        for (size_t c = 0; c < 3; ++c) position[c] = static_cast<uint32_t>(std::lround(resident.raw[index].position[c] * 1024));
+        for (size_t c = 0; c < 3; ++c)
+            position[c] = static_cast<uint32_t>(std::lround(resident.raw[index].position[c] * 1024));
         return corner_from(position, resident.raw[index].chart);
     });
 }

@@ -37,7 +37,9 @@ Status build(const layers::CitySource& source, const LayerSet& set, const std::s
     return Done{};
 }
 
-Error about(const std::string& path, const std::string& why) { return {path + ": " + why}; }
+Error about(const std::string& path, const std::string& why) {
+    return {path + ": " + why};
+}
 
 Status add_subtrees(SampleCity& city) {
     std::deque<tileset::TileAddress> waiting = {{0, 0, 0}};
@@ -80,7 +82,8 @@ Status build_generated(uint32_t buildings, uint64_t seed, const LayerSet& layers
     generator.buildings = buildings;
     generator.seed = seed;
     return build(
-        [&](city::CityHeader& header, city::CityCatalog& catalog, city::CityReport& report, const city::CitySink& sink) -> Status {
+        [&](city::CityHeader& header, city::CityCatalog& catalog, city::CityReport& report,
+            const city::CitySink& sink) -> Status {
             city::generate_city(generator, header, catalog, report, sink);
             return Done{};
         },
@@ -88,11 +91,9 @@ Status build_generated(uint32_t buildings, uint64_t seed, const LayerSet& layers
 }
 
 Status build_from_files(const std::vector<std::string>& files, const LayerSet& layers, const std::string& archive) {
-    return build(
-        [&](city::CityHeader& header, city::CityCatalog& catalog, city::CityReport& report, const city::CitySink& sink) {
-            return city::read_city(files, {}, header, catalog, report, sink);
-        },
-        layers, archive);
+    return build([&](city::CityHeader& header, city::CityCatalog& catalog, city::CityReport& report,
+                     const city::CitySink& sink) { return city::read_city(files, {}, header, catalog, report, sink); },
+                 layers, archive);
 }
 
 Result<SampleCity> open_city(const std::string& archive) {

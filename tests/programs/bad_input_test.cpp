@@ -20,7 +20,8 @@ void expect_one_clear_line(const Outcome& outcome, int exit_code) {
 }
 
 TEST(BadInput, WrongUsageIsExitCodeTwo) {
-    for (const char* name : {"citystream-build", "citystream-serve", "citystream-fly", "citystream-load", "citystream-report"}) {
+    for (const char* name :
+         {"citystream-build", "citystream-serve", "citystream-fly", "citystream-load", "citystream-report"}) {
         EXPECT_EQ(run({program(name), "--no-such-option"}).exit_code, 2) << name;
         EXPECT_EQ(run({program(name), "--help"}).exit_code, 0) << name;
         EXPECT_EQ(run({program(name), "--version"}).exit_code, 0) << name;
@@ -32,7 +33,9 @@ TEST(BadInput, BuilderRefusesWhatIsNoCity) {
     const TemporaryFolder folder;
     write_file(folder / "noise.json", "this is no city");
     write_file(folder / "empty.json", "");
-    write_file(folder / "zero.json", R"({"type":"CityJSON","version":"2.0","transform":{"scale":[1,1,1],"translate":[0,0,0]},"CityObjects":{},"vertices":[]})");
+    write_file(
+        folder / "zero.json",
+        R"({"type":"CityJSON","version":"2.0","transform":{"scale":[1,1,1],"translate":[0,0,0]},"CityObjects":{},"vertices":[]})");
     write_file(folder / "cut.json", R"({"type":"CityJSON","version":"2.0","transform":{"scale":[1,1,1],"transla)");
     for (const char* name : {"noise.json", "empty.json", "zero.json", "cut.json", "absent.json"}) {
         expect_one_clear_line(run({program("citystream-build"), folder / name, "-o", folder / "out.3tz"}), 1);
@@ -75,16 +78,20 @@ TEST(BadInput, FlyRefusesBadPathsAndUnknownPlaces) {
     expect_one_clear_line(run({program("citystream-fly"), shared_city(), "--path", folder / "headless.csv"}), 1);
     expect_one_clear_line(run({program("citystream-fly"), shared_city(), "--path", folder / "word.csv"}), 1);
     expect_one_clear_line(run({program("citystream-fly"), shared_city(), "--path", folder / "absent.csv"}), 1);
-    expect_one_clear_line(run({program("citystream-fly"), "http://127.0.0.1:1/city", "--path", folder / "good.csv"}), 1);
+    expect_one_clear_line(run({program("citystream-fly"), "http://127.0.0.1:1/city", "--path", folder / "good.csv"}),
+                          1);
     const Background server({program("citystream-serve"), shared_city(), "--listen", "127.0.0.1:0"}, "listening on");
     ASSERT_NE(server.ready_line(), "");
-    expect_one_clear_line(run({program("citystream-fly"), url_in(server.ready_line()) + "/atlantis", "--path", folder / "good.csv"}), 1);
+    expect_one_clear_line(
+        run({program("citystream-fly"), url_in(server.ready_line()) + "/atlantis", "--path", folder / "good.csv"}), 1);
 }
 
 TEST(BadInput, AKilledBuildLeavesNothingUnderTheFinalName) {
     const TemporaryFolder folder;
     for (const int signal : {SIGKILL, SIGTERM, SIGINT}) {
-        Background build({program("citystream-build"), "generate", "--buildings", "20000", "--seed", "3", "-o", folder / "killed.3tz"}, "never printed", 2);
+        Background build({program("citystream-build"), "generate", "--buildings", "20000", "--seed", "3", "-o",
+                          folder / "killed.3tz"},
+                         "never printed", 2);
         EXPECT_EQ(build.ready_line(), "");
         build.stop(signal);
         EXPECT_FALSE(std::filesystem::exists(folder / "killed.3tz"));

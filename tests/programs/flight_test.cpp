@@ -1,4 +1,5 @@
-// Flights of the real programs over a generated city: the same frames from everywhere, equal to the reference, within the budgets.
+// Flights of the real programs over a generated city: the same frames from everywhere, equal to the reference, within
+// the budgets.
 
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -25,27 +26,35 @@ using tiles::city::procedural::kMetre;
 
 constexpr const char* kHeader = "t,x,y,z,yaw,pitch,fov\n";
 
-/// A camera in the middle of a main street of the shared city (300 buildings, seed 7), `height` metres above the ground.
+/// A camera in the middle of a main street of the shared city (300 buildings, seed 7), `height` metres above the
+/// ground.
 std::string camera_line(double t, double along, double height, double yaw, double pitch, double shift = 0) {
     const CityPlan plan(7, 300);
     const auto x = plan.line(Axis::kX, 0).axis, y = static_cast<int64_t>(along * kMetre);
     const double ground = static_cast<double>(plan.ground(x, y)) / kMetre;
-    return fmt::format("{},{},{},{},{},{},60\n", t, static_cast<double>(x) / kMetre + shift, along + shift, ground + height, yaw, pitch);
+    return fmt::format("{},{},{},{},{},{},60\n", t, static_cast<double>(x) / kMetre + shift, along + shift,
+                       ground + height, yaw, pitch);
 }
 
 std::string street_path(double shift = 0) {
-    return kHeader + camera_line(0, -60, 1.7, 0, 2, shift) + camera_line(1, -40, 1.7, 25, 5, shift) + camera_line(2, -20, 1.8, -30, 8, shift);
+    return kHeader + camera_line(0, -60, 1.7, 0, 2, shift) + camera_line(1, -40, 1.7, 25, 5, shift) +
+           camera_line(2, -20, 1.8, -30, 8, shift);
 }
 std::string roof_path(double shift = 0) {
-    return kHeader + camera_line(0, -80, 28, 10, -12, shift) + camera_line(1, -50, 30, -50, -15, shift) + camera_line(2, -20, 32, 120, -10, shift);
+    return kHeader + camera_line(0, -80, 28, 10, -12, shift) + camera_line(1, -50, 30, -50, -15, shift) +
+           camera_line(2, -20, 32, 120, -10, shift);
 }
 std::string high_path(double shift = 0) {
-    return kHeader + camera_line(0, -260, 170, 0, -25, shift) + camera_line(1, -200, 200, 15, -40, shift) + camera_line(2, 0, 260, 80, -70, shift);
+    return kHeader + camera_line(0, -260, 170, 0, -25, shift) + camera_line(1, -200, 200, 15, -40, shift) +
+           camera_line(2, 0, 260, 80, -70, shift);
 }
 
 std::vector<std::string> fly_command(const std::string& place, const std::string& path, const std::string& frames) {
-    return {program("citystream-fly"), place, "--path", path, "--frames", frames, "--size", "480x270", "--fps", "1", "--validation"};
+    return {program("citystream-fly"), place, "--path", path, "--frames", frames, "--fps", "1", "--validation"};
 }
+
+const std::vector<std::string> kSmall = {"--size", "480x270"};
+const std::vector<std::string> kLarge = {"--size", "1280x720"};
 
 std::vector<FrameImage> frames_of(const std::string& folder) {
     std::vector<std::string> names;
@@ -61,10 +70,12 @@ std::vector<FrameImage> frames_of(const std::string& folder) {
     return frames;
 }
 
-std::vector<FrameImage> fly(const std::string& place, const std::string& path, std::vector<std::string> more = {}) {
+std::vector<FrameImage> fly(const std::string& place, const std::string& path,
+                            const std::vector<std::string>& more = {}, const std::vector<std::string>& size = kSmall) {
     const TemporaryFolder folder;
     write_file(folder / "path.csv", path);
     auto command = fly_command(place, folder / "path.csv", folder / "frames");
+    command.insert(command.end(), size.begin(), size.end());
     command.insert(command.end(), more.begin(), more.end());
     const Outcome outcome = run(command);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
@@ -87,7 +98,9 @@ TEST(Flight, FramesAreTheSameFromFileServerFolderAndPlainStaticServer) {
     const Outcome unpacked = run({"unzip", "-q", shared_city(), "-d", folder / "city"});
     ASSERT_LE(unpacked.exit_code, 1) << unpacked.error;
     expect_same(from_file, fly(folder / "city", roof_path()));
-    const Background plain({"python3", "-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", folder.path().string()}, "Serving HTTP");
+    const Background plain(
+        {"python3", "-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", folder.path().string()},
+        "Serving HTTP");
     const std::string url = url_in(plain.ready_line());
     ASSERT_NE(url, "") << plain.ready_line();
     expect_same(from_file, fly(url + (url.back() == '/' ? "" : "/") + "city", roof_path()));
@@ -97,17 +110,21 @@ TEST(Flight, EveryFrameAgreesWithTheReferenceRenderer) {
     std::string glb = shared_city();
     glb.replace(glb.size() - 3, 3, "glb");
     ASSERT_TRUE(std::filesystem::exists(glb));
-    for (const auto& [name, path] : {std::pair{"street", street_path()}, {"roof", roof_path()}, {"high", high_path()}}) {
-        const auto frames = fly(shared_city(), path), reference = fly(shared_city(), path, {"--reference", glb});
+    for (const auto& [name, path] :
+         {std::pair{"street", street_path()}, {"roof", roof_path()}, {"high", high_path()}}) {
+        const auto frames = fly(shared_city(), path, {}, kLarge),
+                   reference = fly(shared_city(), path, {"--reference", glb}, kLarge);
         ASSERT_EQ(frames.size(), reference.size());
         ASSERT_EQ(frames.size(), 3u);
-        for (size_t i = 0; i < frames.size(); ++i) EXPECT_GE(client::psnr(reference[i], frames[i]), 35) << name << " frame " << i;
+        for (size_t i = 0; i < frames.size(); ++i)
+            EXPECT_GE(client::psnr(reference[i], frames[i]), 35) << name << " frame " << i;
     }
 }
 
 TEST(Flight, ACityMovedByTenThousandKilometresGivesTheSameFrames) {
     const TemporaryFolder folder;
-    const Outcome built = run({program("citystream-build"), "generate", "--buildings", "300", "--seed", "7", "--origin", "10000000,10000000", "-o", folder / "moved.3tz"});
+    const Outcome built = run({program("citystream-build"), "generate", "--buildings", "300", "--seed", "7", "--origin",
+                               "10000000,10000000", "-o", folder / "moved.3tz"});
     ASSERT_EQ(built.exit_code, 0) << built.error;
     for (const auto& [here, there] : {std::pair{street_path(), street_path(1e7)}, {high_path(), high_path(1e7)}}) {
         const auto at_origin = fly(shared_city(), here), moved = fly(folder / "moved.3tz", there);
@@ -121,23 +138,26 @@ TEST(Flight, SmallBudgetsAreNeverExceededAndTheErrorIsReported) {
     const TemporaryFolder folder;
     write_file(folder / "path.csv", street_path());
     auto command = fly_command(shared_city(), folder / "path.csv", folder / "frames");
-    command.insert(command.end(), {"--gpu-budget", "2MiB", "--host-budget", "16MiB", "--stats", folder / "stats.json"});
+    command.insert(command.end(), {"--size", "480x270", "--gpu-budget", "2MiB", "--host-budget", "16MiB", "--stats",
+                                   folder / "stats.json"});
     const Outcome outcome = run(command);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
     const auto statistics = nlohmann::json::parse(read_file(folder / "stats.json"));
     ASSERT_EQ(statistics["frames"].size(), 3u);
     for (const auto& frame : statistics["frames"]) {
-        EXPECT_LE(frame["gpu_bytes_used"].get<uint64_t>(), uint64_t{2} << 20);
-        EXPECT_LE(frame["host_bytes_used"].get<uint64_t>(), uint64_t{16} << 20);
+        EXPECT_LE(frame["bytes"]["gpu"].get<uint64_t>(), uint64_t{2} << 20);
+        EXPECT_LE(frame["bytes"]["host"].get<uint64_t>(), uint64_t{16} << 20);
         EXPECT_GT(frame["achieved_error_pixels"].get<double>(), 0);
-        EXPECT_GT(frame["tiles_drawn"].get<uint64_t>(), 0u);
+        EXPECT_GT(frame["tiles"]["drawn"].get<uint64_t>(), 0u);
     }
     EXPECT_EQ(frames_of(folder / "frames").size(), 3u);
 }
 
 TEST(Flight, SurvivesAServerThatDiesAndComesBack) {
     const TemporaryFolder folder;
-    auto server = std::make_unique<Background>(std::vector<std::string>{program("citystream-serve"), shared_city(), "--listen", "127.0.0.1:0"}, "listening on");
+    auto server = std::make_unique<Background>(
+        std::vector<std::string>{program("citystream-serve"), shared_city(), "--listen", "127.0.0.1:0"},
+        "listening on");
     const std::string url = url_in(server->ready_line());
     ASSERT_NE(url, "");
     const std::string address = url.substr(7, url.find('/', 7) == std::string::npos ? url.npos : url.find('/', 7) - 7);
@@ -145,7 +165,8 @@ TEST(Flight, SurvivesAServerThatDiesAndComesBack) {
         usleep(700 * 1000);
         server->stop(SIGKILL);
         usleep(700 * 1000);
-        server = std::make_unique<Background>(std::vector<std::string>{program("citystream-serve"), shared_city(), "--listen", address}, "listening on");
+        server = std::make_unique<Background>(
+            std::vector<std::string>{program("citystream-serve"), shared_city(), "--listen", address}, "listening on");
     });
     const auto frames = fly(url, street_path(), {"--network", "8mbit,20ms"});
     accident.join();
@@ -159,12 +180,13 @@ TEST(Flight, RefiningMovesOnlyRangesAndAStaticCameraAsksForNothing) {
     for (int i = 0; i < 4; ++i) path += camera_line(i, -40, 2, 0, 0);
     write_file(folder / "path.csv", path);
     auto command = fly_command(shared_city(), folder / "path.csv", folder / "frames");
-    command.insert(command.end(), {"--stats", folder / "stats.json"});
+    command.insert(command.end(), {"--size", "480x270", "--stats", folder / "stats.json"});
     ASSERT_EQ(run(command).exit_code, 0);
     const auto statistics = nlohmann::json::parse(read_file(folder / "stats.json"));
     ASSERT_GE(statistics["frames"].size(), 3u);
     EXPECT_GT(statistics["frames"][0]["requests"].get<uint64_t>(), 0u);
-    for (size_t i = 1; i < statistics["frames"].size(); ++i) EXPECT_EQ(statistics["frames"][i]["requests"].get<uint64_t>(), 0u) << "frame " << i;
+    for (size_t i = 1; i < statistics["frames"].size(); ++i)
+        EXPECT_EQ(statistics["frames"][i]["requests"].get<uint64_t>(), 0u) << "frame " << i;
 }
 
 }  // namespace

@@ -24,12 +24,14 @@ pid_t start(const std::vector<std::string>& command, int output, int error) {
     const pid_t pid = fork();
     if (pid != 0) return pid;
     dup2(output, STDOUT_FILENO);
-    if (error >= 0) dup2(error, STDERR_FILENO);
+    dup2(error, STDERR_FILENO);
     execvp(arguments[0], arguments.data());
     _exit(127);
 }
 
-int exit_code_of(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : -1; }
+int exit_code_of(int status) {
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
 
 // Waits for the end of a process, killing it at the deadline.
 int wait_until(pid_t pid, Clock::time_point deadline) {
@@ -47,12 +49,15 @@ int wait_until(pid_t pid, Clock::time_point deadline) {
 
 }  // namespace
 
-std::string program(const std::string& name) { return std::string(CITYSTREAM_BIN_DIR) + "/" + name; }
+std::string program(const std::string& name) {
+    return std::string(CITYSTREAM_BIN_DIR) + "/" + name;
+}
 
 Outcome run(const std::vector<std::string>& command, int seconds) {
     const TemporaryFolder folder;
     const std::string output = folder / "stdout", error = folder / "stderr";
-    const int out = open(output.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600), err = open(error.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+    const int out = open(output.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600),
+              err = open(error.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
     const pid_t pid = start(command, out, err);
     Outcome outcome;
     outcome.exit_code = wait_until(pid, Clock::now() + std::chrono::seconds(seconds));
@@ -66,7 +71,10 @@ Outcome run(const std::vector<std::string>& command, int seconds) {
 Background::Background(const std::vector<std::string>& command, const std::string& until, int seconds) {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) return;
-    pid_ = start(command, ends[1], -1);
+    // Servers log every request to stderr.
+    const int silence = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    pid_ = start(command, ends[1], silence);
+    close(silence);
     close(ends[1]);
     output_ = ends[0];
     std::string text;
@@ -122,13 +130,16 @@ std::string read_file(const std::string& file) {
     return text.str();
 }
 
-void write_file(const std::string& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+void write_file(const std::string& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
 
 const std::string& shared_city() {
     static const TemporaryFolder folder;
     static const std::string city = [] {
         std::string archive = folder / "city.3tz";
-        const Outcome built = run({program("citystream-build"), "generate", "--buildings", "300", "--seed", "7", "-o", archive, "--reference", folder / "city.glb"});
+        const Outcome built = run({program("citystream-build"), "generate", "--buildings", "300", "--seed", "7", "-o",
+                                   archive, "--reference", folder / "city.glb"});
         EXPECT_EQ(built.exit_code, 0) << built.error;
         return archive;
     }();

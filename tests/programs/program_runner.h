@@ -1,4 +1,5 @@
-// Runs the project's programs as a user would: real binaries, their output and exit codes; temporary folders that vanish.
+// Runs the project's programs as a user would: real binaries, their output and exit codes; temporary folders that
+// vanish.
 #pragma once
 
 #include <sys/types.h>
@@ -10,9 +11,9 @@
 namespace citystream::tests {
 
 struct Outcome {
-    int exit_code = -1;      ///< -1: ended by a signal
-    std::string output;      ///< stdout
-    std::string error;       ///< stderr
+    int exit_code = -1;  ///< -1: ended by a signal
+    std::string output;  ///< stdout
+    std::string error;   ///< stderr
 };
 
 /// Path of a program built beside the tests.
@@ -24,7 +25,8 @@ Outcome run(const std::vector<std::string>& command, int seconds = 240);
 /// A process in the background, ended on destruction.
 class Background {
   public:
-    /// Starts and waits (at most `seconds`) until a line of its stdout contains `until`; ready_line() is that line ("" when it never came).
+    /// Starts and waits (at most `seconds`) until a line of its stdout contains `until`; ready_line() is that line (""
+    /// when it never came).
     Background(const std::vector<std::string>& command, const std::string& until, int seconds = 30);
     ~Background();
     Background(const Background&) = delete;

@@ -1,4 +1,5 @@
-// No cracks: with a magenta background, no magenta pixel shows anywhere inside the city's silhouette, whatever levels adjoin.
+// No cracks: with a magenta background, no magenta pixel shows anywhere inside the city's silhouette, whatever levels
+// adjoin.
 
 #include <gtest/gtest.h>
 
@@ -20,8 +21,10 @@ uint64_t magenta_pixels(const FrameImage& image) {
     return count;
 }
 
-/// Whether all four corner rays of the view meet the plane z = ground well inside the extent: then the whole picture is silhouette.
-bool looks_only_at_the_city(const Camera& camera, const tiles::tileset::Bounds& extent, const std::array<double, 2>& origin, double ground) {
+/// Whether all four corner rays of the view meet the plane z = ground well inside the extent: then the whole picture is
+/// silhouette.
+bool looks_only_at_the_city(const Camera& camera, const tiles::tileset::Bounds& extent,
+                            const std::array<double, 2>& origin, double ground) {
     const double tan_y = std::tan(camera.fov_y / 2), tan_x = tan_y * camera.width / camera.height;
     for (const double sx : {-1.0, 1.0}) {
         for (const double sy : {-1.0, 1.0}) {
@@ -63,7 +66,8 @@ TEST(Seams, NoBackgroundShowsBetweenTilesOfDifferentLevelsFromAnyAngle) {
             for (double yaw = 0; yaw < 360; yaw += 45) {
                 CameraSample sample;
                 // From the middle, backing away from where it looks.
-                const double angle = yaw * 3.14159265358979 / 180, back = height / std::tan(-pitch * 3.14159265358979 / 180);
+                const double angle = yaw * 3.14159265358979 / 180,
+                             back = height / std::tan(-pitch * 3.14159265358979 / 180);
                 sample.x = origin[0] + (extent.min[0] + extent.max[0]) / 2 - std::sin(angle) * back;
                 sample.y = origin[1] + (extent.min[1] + extent.max[1]) / 2 - std::cos(angle) * back;
                 sample.z = extent.min[2] + 20 + height;
@@ -78,7 +82,8 @@ TEST(Seams, NoBackgroundShowsBetweenTilesOfDifferentLevelsFromAnyAngle) {
                     const auto& tiles = (*streamer)->update(camera, frame);
                     auto image = (*renderer)->draw(camera, tiles, nullptr);
                     ASSERT_TRUE(image) << image.error().text();
-                    EXPECT_EQ(magenta_pixels(*image), 0u) << "height " << height << " pitch " << pitch << " yaw " << yaw << " tolerance " << tolerance;
+                    EXPECT_EQ(magenta_pixels(*image), 0u)
+                        << "height " << height << " pitch " << pitch << " yaw " << yaw << " tolerance " << tolerance;
                     ++pictures;
                 }
             }

@@ -17,7 +17,8 @@ FrameImage noisy(FrameImage image, int amplitude, uint32_t seed) {
     for (size_t i = 0; i < image.rgba.size(); ++i) {
         if (i % 4 == 3) continue;
         seed = seed * 1664525u + 1013904223u;
-        image.rgba[i] = static_cast<uint8_t>(std::clamp(image.rgba[i] + static_cast<int>(seed >> 16) % (2 * amplitude + 1) - amplitude, 0, 255));
+        image.rgba[i] = static_cast<uint8_t>(
+            std::clamp(image.rgba[i] + static_cast<int>(seed >> 16) % (2 * amplitude + 1) - amplitude, 0, 255));
     }
     return image;
 }
