@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 ./deploy/setup.sh
 cmake --preset release >out.cmake.log 2>&1 || { cat out.cmake.log; exit 1; }
 rm -f out.cmake.log
-cmake --build --preset release
+cmake --build --preset release --target citystream-build citystream-serve citystream-fly citystream-load citystream-report
 bin=build/release/bin
 mkdir -p out
 
@@ -30,7 +30,7 @@ for _ in $(seq 100); do
 done
 
 rm -rf out/frames
-"$bin/citystream-fly" "$url" --path "$path" --size 1280x720 --tolerance 1.0 \
+"$bin/citystream-fly" "$url" --path "$path" --size 1280x720 --tolerance 1.0 --fps 6 \
     --frames out/frames --video out/flight.mp4 --stats out/stats.json
 if [ -e "${city%.3tz}.glb" ]; then
     "$bin/citystream-report" "$city" --path "$path" --reference "${city%.3tz}.glb" -o out/report

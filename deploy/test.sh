@@ -10,20 +10,21 @@ results=build/test-results
 mkdir -p "$results"
 rm -f "$results"/*.xml
 
-run_preset() {  # PRESET CTEST-FILTER TARGETS...
-    local preset=$1 filter=$2
-    shift 2
+run_preset() {  # PRESET [TARGETS...]: without targets everything is built and run. Each test is labelled with its program's target.
+    local preset=$1 labels=''
+    shift
+    if [ $# -gt 0 ]; then labels="^($(IFS='|'; echo "$*"))\$"; fi
     cmake --preset "$preset" >"$results/$preset-configure.log" 2>&1 || { cat "$results/$preset-configure.log"; exit 1; }
     cmake --build --preset "$preset" ${1:+--target "$@"} -- -j "$jobs"
-    (cd "build/$preset" && ctest -j "$jobs" --output-on-failure --output-junit "$PWD/../../$results/$preset.xml" ${filter:+-R "$filter"}) || true
+    (cd "build/$preset" && ctest -j "$jobs" --output-on-failure --output-junit "$PWD/../../$results/$preset.xml" ${labels:+-L "$labels"}) || true
 }
 
-run_preset release ''
+run_preset release
 sanitized=(citystream_codec_bits_tests citystream_codec_mesh_tests citystream_codec_atlas_tests citystream_codec_facade_tests
            citystream_tiles_city_tests citystream_tiles_tileset_tests citystream_tiles_archive_tests
-           citystream_server_tests citystream_client_stream_tests citystream_client_path_tests)
-run_preset asan '' "${sanitized[@]}"
-run_preset tsan '' citystream_server_tests citystream_client_stream_tests citystream_client_load_tests
+           citystream_server_tests citystream_client_stream_tests citystream_client_path_tests fuzzers)
+run_preset asan "${sanitized[@]}"
+run_preset tsan citystream_server_tests citystream_client_stream_tests citystream_client_load_tests
 
 echo
 echo "Summary"

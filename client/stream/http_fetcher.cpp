@@ -347,7 +347,9 @@ asio::awaitable<Attempt> HttpState::attempt(Connection& connection, const FetchR
             co_await http::async_read_header(connection.stream, connection.buffer, parser, kTuple);
         status = read_status;
         queue.count_bytes(header_bytes, 0);
-        co_await sleep_until(connection, link.reserve(header_bytes, sent + 2 * link.half_round_trip()));
+        // First the way there and back, then the link: booked ahead, it would idle while other answers wait.
+        co_await sleep_until(connection, sent + 2 * link.half_round_trip());
+        co_await sleep_until(connection, link.reserve(header_bytes, Clock::now()));
     }
     if (status) {
         result.stale_connection = connection.used && status != beast::error::timeout;

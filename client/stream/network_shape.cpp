@@ -57,8 +57,9 @@ ShapedLink::Clock::time_point ShapedLink::reserve(uint64_t bytes, Clock::time_po
     if (shape_.bits_per_second <= 0) return at;
     const std::lock_guard lock(mutex_);
     const std::chrono::duration<double> passage(8.0 * static_cast<double>(bytes) / shape_.bits_per_second);
-    free_at_ = std::max(free_at_, at) + std::chrono::duration_cast<Clock::duration>(passage);
-    return free_at_;
+    const Clock::time_point start = free_at_ + kLateness >= at ? free_at_ : at;
+    free_at_ = start + std::chrono::duration_cast<Clock::duration>(passage);
+    return std::max(free_at_, at);
 }
 
 ShapedLink::Clock::duration ShapedLink::half_round_trip() const {

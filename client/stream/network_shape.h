@@ -11,13 +11,18 @@
 namespace citystream::client {
 
 /// The token bucket of a fetcher, as a queue with a known end: reserving bytes tells when the last of them has arrived.
-/// Thread-safe. Without a shape everything arrives at once.
+/// Thread-safe. Without a shape everything arrives at once. In any span of time no more bytes pass than the rate allows
+/// in that span and kLateness.
 class ShapedLink {
   public:
     using Clock = std::chrono::steady_clock;
+    /// A sleeper wakes a little late. A link that was busy until this long ago counts as busy still, or it would idle a
+    /// little between any two chunks.
+    static constexpr Clock::duration kLateness = std::chrono::milliseconds(2);
     explicit ShapedLink(const std::optional<NetworkShape>& shape) : shape_(shape.value_or(NetworkShape{})) {}
 
-    /// When `bytes` that enter the link at `at` have passed it.
+    /// When `bytes` that enter the link at `at` have passed it. Calls come in the order of their `at`: after a booking
+    /// of the future the link idles until then, whoever comes in between.
     Clock::time_point reserve(uint64_t bytes, Clock::time_point at);
     /// The way in one direction.
     Clock::duration half_round_trip() const;

@@ -31,8 +31,10 @@ constexpr const char* kClaim =
     "every layer with all its\n"
     "steps. leaves_only: every visible leaf with the prefix that the rule asks for, no coarser levels. everything: all "
     "leaves, all steps.\n"
-    "The baselines' bytes are sums of the directory; all are put over the same drawn bytes. FILEs are cities or .3tz "
-    "archives.";
+    "The baselines' bytes are sums of the directory; all are put over the same drawn bytes. Below 1, a baseline\n"
+    "receives less in sum than we do. frame_to_leaves_only: bytes that one camera's selection needs (to start, to "
+    "keep) over those of its\n"
+    "visible leaves. FILEs are cities or .3tz archives.";
 constexpr uint64_t kSlotBytes = 16 << 10;
 constexpr uint64_t kStoreBytes = uint64_t{1} << 30;
 constexpr double kTolerance = 1;
@@ -108,29 +110,42 @@ KnownCity know(const SampleCity& city, BenchProgram& program) {
 
 struct Baselines {
     uint64_t whole_tiles = 0, leaves_only = 0, everything = 0;
+    std::vector<double> frame_to_leaves;  ///< what one camera's selection needs over what its visible leaves need
 };
 
+/// Adds the prefixes that the rule asks for of every visible leaf.
+void add_visible_leaves(const KnownCity& known, Selector& selector, Received& received) {
+    const auto& nodes = known.directory.nodes();
+    for (NodeIndex i = 0; i < nodes.size(); ++i) {
+        if (!nodes[i].is_leaf() || !selector.visible(i)) continue;
+        const double scale = selector.pixels_per_metre(i);
+        for (const Layer layer : {Layer::kMesh, Layer::kAtlas, Layer::kFacade}) {
+            if (layer == Layer::kFacade && nodes[i].record->flat_facade_error * scale <= kTolerance) continue;
+            const uint32_t usable = usable_steps(nodes[i], known.knowledge.tiles[i], layer);
+            received.add_layer(nodes[i], layer,
+                               shortest_prefix(nodes[i].record->steps(layer), usable, scale, kTolerance));
+            if (layer == Layer::kFacade) received.add_maps(known.knowledge.tiles[i].facade_maps);
+        }
+    }
+}
+
 Baselines baselines_of(const KnownCity& known, const Tour& tour) {
+    Baselines result;
     Received whole(known.knowledge), leaves(known.knowledge), everything(known.knowledge);
     Selector selector(known.directory, known.knowledge);
     const auto& nodes = known.directory.nodes();
     for (const CameraSample& sample : tour.path.samples) {
-        const Camera camera = Camera::from_sample(sample, 1280, 720);
-        for (const SelectedTile& tile : selector.select(camera, kTolerance, kSlotBytes).tiles) {
+        const Selection chosen = selector.select(Camera::from_sample(sample, 1280, 720), kTolerance, kSlotBytes);
+        for (const SelectedTile& tile : chosen.tiles) {
             whole.add_whole(nodes[tile.node]);
             whole.add_maps(known.knowledge.tiles[tile.node].facade_maps);
         }
-        for (NodeIndex i = 0; i < nodes.size(); ++i) {
-            if (!nodes[i].is_leaf() || !selector.visible(i)) continue;
-            const double scale = selector.pixels_per_metre(i);
-            for (const Layer layer : {Layer::kMesh, Layer::kAtlas, Layer::kFacade}) {
-                if (layer == Layer::kFacade && nodes[i].record->flat_facade_error * scale <= kTolerance) continue;
-                leaves.add_layer(
-                    nodes[i], layer,
-                    shortest_prefix(nodes[i].record->steps(layer),
-                                    usable_steps(nodes[i], known.knowledge.tiles[i], layer), scale, kTolerance));
-                if (layer == Layer::kFacade) leaves.add_maps(known.knowledge.tiles[i].facade_maps);
-            }
+        Received frame(known.knowledge);
+        add_visible_leaves(known, selector, frame);
+        add_visible_leaves(known, selector, leaves);
+        if (frame.bytes() > 0) {
+            const auto leaf_bytes = static_cast<double>(frame.bytes());
+            result.frame_to_leaves.push_back(static_cast<double>(chosen.cost.wire_bytes) / leaf_bytes);
         }
     }
     for (NodeIndex i = 0; i < nodes.size(); ++i) {
@@ -138,7 +153,10 @@ Baselines baselines_of(const KnownCity& known, const Tour& tour) {
         everything.add_whole(nodes[i]);
         everything.add_maps(known.knowledge.tiles[i].facade_maps);
     }
-    return {whole.bytes(), leaves.bytes(), everything.bytes()};
+    result.whole_tiles = whole.bytes();
+    result.leaves_only = leaves.bytes();
+    result.everything = everything.bytes();
+    return result;
 }
 
 struct Flight {
@@ -200,7 +218,8 @@ void measure_tour(const std::string& name, const SampleCity& city, const KnownCi
                    {"over_fetch", to_json(spread_of(over_fetch))},
                    {"over_fetch_whole_tiles", over(baselines.whole_tiles)},
                    {"over_fetch_leaves_only", over(baselines.leaves_only)},
-                   {"over_fetch_everything", over(baselines.everything)}});
+                   {"over_fetch_everything", over(baselines.everything)},
+                   {"frame_to_leaves_only", to_json(spread_of(baselines.frame_to_leaves))}});
 }
 
 void measure_city(const std::string& name, const Result<SampleCity>& city, int repetitions, BenchProgram& program) {

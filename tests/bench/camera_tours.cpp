@@ -42,8 +42,10 @@ Tour make_tour(const SampleCity& city, const std::string& name, double above_gro
 }  // namespace
 
 std::vector<Tour> tours_of(const SampleCity& city, int cameras) {
+    const auto& extent = city.manifest.extent;
+    const double high = std::min(400.0, (extent.max[0] - extent.min[0]) / 3);
     return {make_tour(city, "street", 2, 0, cameras), make_tour(city, "roof", 40, -10, cameras),
-            make_tour(city, "high", 400, -30, cameras)};
+            make_tour(city, "high", high, -30, cameras)};
 }
 
 }  // namespace citystream::bench

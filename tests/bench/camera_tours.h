@@ -15,7 +15,8 @@ struct Tour {
 };
 
 /// Three straight flights through the middle of the city, from west to east, of `cameras` cameras each: 2 m above the
-/// ground looking ahead, 40 m above it looking slightly down, and 400 m above it looking down by 30 degrees.
+/// ground looking ahead, 40 m above it looking slightly down, and 400 m above it (a third of the city's
+/// width in a small one) looking down by 30 degrees.
 std::vector<Tour> tours_of(const SampleCity& city, int cameras = 24);
 
 }  // namespace citystream::bench

@@ -19,6 +19,7 @@ namespace citystream::server {
 namespace {
 
 using namespace std::chrono_literals;
+using namespace std::string_literals;
 using test::RawAnswer;
 using test::RawClient;
 
@@ -153,7 +154,7 @@ TEST_F(ServerTest, RefusesWhatIsNoRequest) {
         {"GET / HTTP/1.1\r\nHost: a\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 413},
         {"DELETE /demo/tileset.json HTTP/1.1\r\nHost: a\r\n\r\n", 405},
         {"POST /demo/tileset.json HTTP/1.1\r\nHost: a\r\nContent-Length: 3\r\n\r\nabc", 405},
-        {std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03 a TLS hello\r\n\r\n", 33), 400},
+        {"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03 a TLS hello\r\n\r\n"s, 400},
     };
     for (const auto& [request, status] : cases) {
         RawClient client(port());

@@ -108,12 +108,12 @@ class Generator {
     /// Every cell that the city's quarters and the streets around them touch.
     void put_terrain() {
         const TerrainMaker terrain(plan_, materials_, catalog_, options_.origin, quarters_);
-        const Units cell = static_cast<Units>(kTerrainCellMetres) * kMetre;
-        const auto first = [this, cell](Axis axis, int64_t quarter) {
+        constexpr Units cell = static_cast<Units>(kTerrainCellMetres) * kMetre;
+        const auto first = [this](Axis axis, int64_t quarter) {
             const StreetLine street = plan_.line(axis, 2 * quarter);
             return floor_div(street.axis - street.outer_half, cell);
         };
-        const auto end = [this, cell](Axis axis, int64_t quarter) {
+        const auto end = [this](Axis axis, int64_t quarter) {
             const StreetLine street = plan_.line(axis, 2 * quarter + 2);
             return floor_div(street.axis + street.outer_half + cell - 1, cell);
         };

@@ -243,7 +243,11 @@ BlockColours mean_colours(const BuildObject& object, ImageCache& images, FacadeP
 std::optional<BuildObject> make_block(const BuildObject& object, double allowed, ImageCache& images,
                                       FacadePainter& facades) {
     const size_t triangles = object.triangles.size() + kFacadeTriangles * object.facades.size();
-    const double limit = allowed * kGridUnitsPerMetre;
+    // What is measured takes facades as flat, so their relief is lost on top of it.
+    double relief = 0;
+    for (const BuildFacade& facade : object.facades) relief = std::max(relief, facades.facts(facade.map).depth_metres);
+    const double limit = (allowed - relief) * kGridUnitsPerMetre;
+    if (limit <= 0) return std::nullopt;
     if (triangles <= 10) return std::nullopt;  // a box has ten: four walls and a roof
     const GridBox box = object.box();
     const auto top = mean_top(object);
@@ -257,7 +261,7 @@ std::optional<BuildObject> make_block(const BuildObject& object, double allowed,
         if (block->triangles.size() * surface.size() > kMeasuredPairs) return;
         const double distance = surface_distance(surface, surface_of(*block, box.lo), limit);
         if (distance > limit) return;
-        block->error = object.error + static_cast<float>(distance * kMetresPerGridUnit);
+        block->error = object.error + static_cast<float>(distance * kMetresPerGridUnit + relief);
         best = std::move(block);
     };
     BuildObject rectangle = empty_block(object);

@@ -18,8 +18,8 @@ struct BlockColours {
 };
 BlockColours mean_colours(const quadtree::BuildObject& object, ImageCache& images, FacadePainter& facades);
 
-/// The cheapest block whose measured distance from the object stays within `allowed` metres, added to the error it
-/// already has. Nothing when there is none with fewer triangles.
+/// The cheapest block whose measured distance from the object, plus the relief of its facades, stays within `allowed`
+/// metres; both are added to the error it already has. Nothing when there is none with fewer triangles.
 std::optional<quadtree::BuildObject> make_block(const quadtree::BuildObject& object, double allowed, ImageCache& images,
                                                 FacadePainter& facades);
 

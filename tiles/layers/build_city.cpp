@@ -2,6 +2,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <optional>
 
 #include "tiles/layers/city_archive.h"
+#include "tiles/layers/flat_ground.h"
 #include "tiles/layers/reference_glb.h"
 #include "tiles/layers/tile_pipeline.h"
 
@@ -93,17 +95,22 @@ class CityBuild {
         auto tiles = build_tiles(
             {options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, preview, made_up_ground});
         if (!tiles) return tiles.error();
-        fill_manifest(*tree, made_up_ground);
+        fill_manifest(*tree, tiles->front().record.bounds, made_up_ground);
         const std::vector<std::byte> picture = preview.encode(folder_->path() + "/preview.png");
         if (Status status =
                 write_city_archive({manifest_, *tree, *tiles, *layer_spool_, catalog_, facades, picture, options_});
             !status)
             return status;
         for (city::Defect& defect : images.take_defects()) report_.add(std::move(defect));
-        return reference_ ? reference_->finish(catalog_, facades, objects_->extent(), tree->origin) : Status(Done{});
+        if (!reference_) return Done{};
+        if (made_up_ground) {
+            if (Status status = reference_->add(flat_ground_of_city(objects_->extent(), catalog_)); !status)
+                return status;
+        }
+        return reference_->finish(catalog_, facades, objects_->extent(), tree->origin);
     }
 
-    void fill_manifest(const quadtree::TileTree& tree, bool made_up_ground) {
+    void fill_manifest(const quadtree::TileTree& tree, const tileset::Bounds& drawn, bool made_up_ground) {
         manifest_.title = header_.title;
         manifest_.epsg = header_.epsg;
         manifest_.origin = tree.origin;
@@ -114,6 +121,9 @@ class CityBuild {
                                 to_metres(box.lo.z)};
         manifest_.extent.max = {to_metres(box.hi.x - tree.origin.x), to_metres(box.hi.y - tree.origin.y),
                                 to_metres(box.hi.z)};
+        // Skirts hang below the city, and the root's box has to hold them.
+        manifest_.extent.min[2] = std::min(manifest_.extent.min[2], drawn.min[2]);
+        manifest_.extent.max[2] = std::max(manifest_.extent.max[2], drawn.max[2]);
         double square = 0;
         for (size_t axis = 0; axis < 3; ++axis)
             square += std::pow(manifest_.extent.max[axis] - manifest_.extent.min[axis], 2);

@@ -68,9 +68,11 @@ class Coarsener {
 
     void coarsen_object(BuildObject& object) const {
         if (allowed(object) <= 0) return;
-        if (auto block = make_block(object, allowed(object), workshop_.images, workshop_.facades)) {
-            object = std::move(*block);
-            return;
+        if (!shows_pictures(object)) {
+            if (auto block = make_block(object, allowed(object), workshop_.images, workshop_.facades)) {
+                object = std::move(*block);
+                return;
+            }
         }
         flatten_facades(object);
         blur_small_facades(object);
@@ -83,7 +85,7 @@ class Coarsener {
         double lost = 0;
         for (const BuildFacade& facade : object.facades) {
             const double depth = workshop_.facades.facts(facade.map).depth_metres;
-            if (depth > allowed(object)) {
+            if (kReliefWeight * depth > allowed(object)) {
                 kept.push_back(facade);
                 continue;
             }
@@ -94,13 +96,25 @@ class Coarsener {
         object.error += static_cast<float>(lost);
     }
 
+    bool few_texels(uint32_t map) const {
+        const FacadeFacts& facts = workshop_.facades.facts(map);
+        return std::max(facts.width_metres, facts.height_metres) <= kFacadeTexels * spec_.texel_metres;
+    }
+
+    /// Whether a wall of the object shows more than a few texels of a facade: windows, which a block would lose.
+    bool shows_pictures(const BuildObject& object) const {
+        return std::any_of(object.facades.begin(), object.facades.end(),
+                           [&](const BuildFacade& facade) { return !few_texels(facade.map); }) ||
+               std::any_of(object.paints.begin(), object.paints.end(), [&](const Paint& paint) {
+                   return paint.kind == PaintKind::kFacade && !few_texels(paint.a);
+               });
+    }
+
     /// Flat facades that only a few texels would show take their mean colour.
     void blur_small_facades(BuildObject& object) const {
         for (Paint& paint : object.paints) {
-            if (paint.kind != PaintKind::kFacade) continue;
-            const FacadeFacts& facts = workshop_.facades.facts(paint.a);
-            if (std::max(facts.width_metres, facts.height_metres) > kFacadeTexels * spec_.texel_metres) continue;
-            paint = Paint::flat(workshop_.facades.mean_colour(paint.a, paint.b));
+            if (paint.kind == PaintKind::kFacade && few_texels(paint.a))
+                paint = Paint::flat(workshop_.facades.mean_colour(paint.a, paint.b));
         }
     }
 

@@ -21,9 +21,9 @@ struct CoarseContent {
     float error = 0;  ///< metres, reached: the greatest gathered error of an object
 };
 
-/// Makes flat walls of facades whose relief is below the error, outline blocks of buildings, boxes of crowds of small
-/// things, coarser ground. The error is raised (and told) only when the tile would have more triangles than the limit.
-/// Deterministic.
+/// Makes flat walls of facades whose relief times kReliefWeight is below the error, outline blocks of buildings on
+/// which no facade fills more than a few texels, boxes of crowds of small things, coarser ground. The error is raised
+/// (and told) only when the tile would have more triangles than the limit. Deterministic.
 CoarseContent coarsen(TileContent children, const CoarsenSpec& spec, const TileWorkshop& workshop);
 
 }  // namespace citystream::tiles::layers

@@ -16,6 +16,7 @@ constexpr int64_t kEdgeSlack = 64;  // a thousandth of a repeat outside 0..1 sti
 constexpr uint32_t kGreatestChart = 8192;
 constexpr double kCoarsestShare = 1.5;  // a texel is at least the wanted size divided by this
 constexpr double kMarginTexels = 1;
+constexpr double kFacadeBlurTexels = 2;  // a window's contrast is lost sooner than a texture's
 
 double world_area(const BuildObject& object, const BuildTriangle& triangle) {
     const auto n = quadtree::triangle_normal(object.vertices[triangle.vertex[0]], object.vertices[triangle.vertex[1]],
@@ -47,7 +48,10 @@ void TileCharts::note(uint32_t object, const BuildObject& built) {
     for (const BuildTriangle& triangle : built.triangles) {
         const Paint& paint = built.paints[triangle.paint];
         if (paint.kind == PaintKind::kFlat) flat(paint.rgb());
-        if (paint.kind == PaintKind::kFacade) facade_picture(paint.a, paint.b, texel_);
+        if (paint.kind == PaintKind::kFacade) {
+            facade_picture(paint.a, paint.b, texel_);
+            blur_ = std::max(blur_, kFacadeBlurTexels * texel_);
+        }
         if (paint.kind != PaintKind::kMaterial) continue;
         ImagePaint& noted = noted_[paint];
         noted.world_area += world_area(built, triangle);
@@ -63,6 +67,7 @@ void TileCharts::note(uint32_t object, const BuildObject& built) {
 }
 
 void TileCharts::add_ground_picture(uint32_t picture, ChartImage image) {
+    blur_ = std::max(blur_, static_cast<double>(image.metres_per_texel));
     ground_pictures_[picture] = add(std::move(image));
 }
 
@@ -83,6 +88,7 @@ void TileCharts::settle_image(const Paint& paint, const ImagePaint& noted) {
     const uint32_t level = halvings(*whole, texel, texel_);
     const auto image = images_.mip(static_cast<uint32_t>(material.image), level);
     const auto level_texel = static_cast<float>(std::ldexp(texel, static_cast<int>(level)));
+    if (level > 0) blur_ = std::max(blur_, static_cast<double>(level_texel));
     const bool outside = std::any_of(noted.objects.begin(), noted.objects.end(), [](const auto& entry) {
         const Range& r = entry.second;
         return r.lo[0] < -kEdgeSlack || r.lo[1] < -kEdgeSlack || r.hi[0] > kOneRepeat + kEdgeSlack ||

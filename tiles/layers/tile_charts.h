@@ -42,6 +42,9 @@ class TileCharts {
     uint32_t flat(const std::array<uint8_t, 3>& rgb);
 
     std::span<const ChartImage> charts() const { return charts_; }
+    /// Metres that what the triangles show is blurred by: a texel of images that were halved and of ground pictures,
+    /// two of facades drawn as pictures. Zero when every image is shown as fine as it is.
+    double blur() const { return blur_; }
 
   private:
     struct Range {
@@ -66,6 +69,7 @@ class TileCharts {
     ImageCache& images_;
     FacadePainter& facades_;
     double texel_;
+    double blur_ = 0;
     std::vector<ChartImage> charts_;
     std::map<quadtree::Paint, ImagePaint> noted_;
     std::map<std::pair<quadtree::Paint, uint32_t>, ChartUse> image_uses_;

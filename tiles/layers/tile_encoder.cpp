@@ -20,8 +20,10 @@ using quadtree::BuildObject;
 using quadtree::BuildTriangle;
 using tileset::Layer;
 
-constexpr int kStepLevel = 12;       // zstd: within 3 % of level 19 on these codes at a tenth of its time
-constexpr int kBaseHeightBits = 16;  // coarser than every bit that a mesh step drops, so that neighbours truncate alike
+// zstd. The 800 frames of a generated city of 1,000 buildings take 7.16 MB at level 6, 7.02 at 9, 6.93 at 12, 6.65 at
+// 15 and 6.31 at 19, in 0.13, 0.22, 0.45, 0.96 and 2.67 s: a city is built once and sent often.
+constexpr int kStepLevel = 19;
+constexpr int kBaseHeightBits = 16;  // coarser than every bit that a mesh step drops, so that neighbours round alike
 constexpr double kFinestFacadeTexel = 0.1, kCoarsestFacadeTexel = 0.4;
 constexpr int64_t kFlatRepeat = 65536;
 
@@ -70,7 +72,13 @@ class TileAssembly {
         for (const BuildObject& object : content_.objects) {
             box_.add(object.box());
             for (const BuildFacade& facade : object.facades) {
-                relief_ = std::max(relief_, workshop_.facades.facts(facade.map).depth_metres);
+                const double depth = workshop_.facades.facts(facade.map).depth_metres;
+                const auto reach = static_cast<int64_t>(std::ceil(depth * kGridUnitsPerMetre));
+                for (const GridPoint& p : facade.corners()) {
+                    box_.add(GridPoint{p.x - reach, p.y - reach, p.z});
+                    box_.add(GridPoint{p.x + reach, p.y + reach, p.z});
+                }
+                relief_ = std::max(relief_, depth);
             }
         }
         for (const SkirtQuad& skirt : skirts_) {
@@ -179,19 +187,20 @@ class TileAssembly {
     void write_record(tileset::TileRecord& record) {
         record.address = spec_.address;
         record.geometric_error = spec_.geometric_error;
+        if (spec_.inner && wants(Layer::kAtlas))
+            record.geometric_error = std::max(record.geometric_error, static_cast<float>(charts_.blur()));
         record.base_height = base_height_;
         if (wants(Layer::kFacade)) {
-            record.flat_facade_error = facade_tile_.placements.empty() ? 0 : static_cast<float>(relief_);
+            record.flat_facade_error =
+                facade_tile_.placements.empty() ? 0 : static_cast<float>(kReliefWeight * relief_);
         } else {
             record.geometric_error = std::max(record.geometric_error, static_cast<float>(relief_));
         }
         std::sort(maps_.begin(), maps_.end());
         record.facade_maps = static_cast<uint32_t>(std::unique(maps_.begin(), maps_.end()) - maps_.begin());
         const GridPoint& o = workshop_.city_origin;
-        record.bounds.min = {to_metres(box_.lo.x - o.x) - relief_, to_metres(box_.lo.y - o.y) - relief_,
-                             to_metres(box_.lo.z)};
-        record.bounds.max = {to_metres(box_.hi.x - o.x) + relief_, to_metres(box_.hi.y - o.y) + relief_,
-                             to_metres(box_.hi.z)};
+        record.bounds.min = {to_metres(box_.lo.x - o.x), to_metres(box_.lo.y - o.y), to_metres(box_.lo.z)};
+        record.bounds.max = {to_metres(box_.hi.x - o.x), to_metres(box_.hi.y - o.y), to_metres(box_.hi.z)};
     }
 
     void encode(EncodedTile& tile) {

@@ -14,6 +14,10 @@
 
 namespace citystream::tiles::layers {
 
+/// Relief counts this many times its depth as the error of drawing it flat. It moves by its depth at most, but it also
+/// shows sides and hides wall below it: at a weight of one, balconies vanish while they are still a pixel deep.
+constexpr double kReliefWeight = 2;
+
 /// What is shared by all tiles of a build.
 struct TileWorkshop {
     const city::CityCatalog& catalog;
@@ -30,6 +34,7 @@ struct TileSpec {
     double texel = 0.05;        ///< metres a texel of the finest mip
     double facade_texel = 0.1;  ///< least metres a texel of facades seen flat
     float geometric_error = 0;  ///< of the objects
+    bool inner = false;         ///< what its pictures are blurred by counts as error: tiles below it are sharper
     double skirt_metres = 1;    ///< how far the ground hangs down at the tile's border
 };
 

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "tiles/layers/coarsen.h"
+#include "tiles/layers/flat_ground.h"
 #include "tiles/layers/hidden_faces.h"
 
 namespace citystream::tiles::layers {
@@ -20,11 +21,12 @@ using quadtree::TileNode;
 
 constexpr double kLeafTexel = 0.05;
 constexpr double kPixelsAcrossTile = 512;  // an inner tile's error is its side over this
-constexpr double kSkirtErrors = 4;  // a skirt reaches below the error of the level above, and of the one above that
+// The decimated ground keeps its border, so beside a tile of another level a gap is no deeper than their errors, and
+// no wider than the tolerance on the screen. A skirt that hangs deeper shows where a city ends at a tile's border.
+constexpr double kSkirtErrors = 1, kPictureSkirtErrors = 2, kSkirtLeastMetres = 0.25;
 constexpr uint64_t kInnerTriangles = 49152;
-constexpr uint64_t kBytesPerTriangle = 2000;  // peak while a tile is coarsened and encoded, measured
+constexpr uint64_t kBytesPerTriangle = 2000;  // estimate of what a tile takes while it is coarsened and encoded
 constexpr uint64_t kBytesPerTile = 16 << 20;
-constexpr std::array<uint8_t, 3> kGroundColour = {142, 140, 132};
 
 /// Lets threads into work while the sum of what they announced fits; one may always go on.
 class MemoryGate {
@@ -151,34 +153,17 @@ class Pipeline {
         spec.corner = in_.tree.corner(node.address);
         spec.side = in_.tree.side(node.address.level);
         spec.texel = kLeafTexel;
-        spec.skirt_metres = kSkirtErrors * level_error(2 * side_metres(node)) + 1;
+        spec.skirt_metres = kSkirtErrors * level_error(2 * side_metres(node)) + kSkirtLeastMetres;
         return spec;
     }
 
     Result<std::vector<BuildObject>> leaf_objects(const TileNode& node) {
         auto objects = in_.objects.load(node.begin, node.end);
-        if (objects && in_.made_up_ground) objects->push_back(made_up_ground(node));
+        if (objects && in_.made_up_ground) {
+            objects->push_back(flat_ground_of_tile(in_.objects.extent(), in_.tree.corner(node.address),
+                                                   in_.tree.side(node.address.level)));
+        }
         return objects;
-    }
-
-    /// A flat rectangle at the city's lowest point, over the part of the tile that the city covers.
-    BuildObject made_up_ground(const TileNode& node) const {
-        const GridPoint corner = in_.tree.corner(node.address);
-        const int64_t side = in_.tree.side(node.address.level);
-        const quadtree::GridBox& city = in_.objects.extent();
-        const auto edge = [](int64_t value) {
-            return value + 1;
-        };  // never empty, also for a city thinner than the grid
-        const int64_t x0 = std::max(corner.x, city.lo.x), x1 = std::max(edge(x0), std::min(corner.x + side, city.hi.x));
-        const int64_t y0 = std::max(corner.y, city.lo.y), y1 = std::max(edge(y0), std::min(corner.y + side, city.hi.y));
-        BuildObject ground;
-        ground.kind = city::ObjectKind::kTerrain;
-        ground.paints = {quadtree::Paint::flat(kGroundColour)};
-        ground.vertices = {{x0, y0, city.lo.z}, {x1, y0, city.lo.z}, {x1, y1, city.lo.z}, {x0, y1, city.lo.z}};
-        ground.triangles.resize(2);
-        ground.triangles[0].vertex = {0, 1, 2};
-        ground.triangles[1].vertex = {0, 2, 3};
-        return ground;
     }
 
     Status build_leaf(size_t at) {
@@ -238,9 +223,11 @@ class Pipeline {
         CoarseContent coarse = coarsen(std::move(children).value(), coarse_spec, in_.workshop);
         if (Status status = store_content(at, coarse.content); !status) return status;
         spec.geometric_error = coarse.error;
+        spec.inner = true;
         for (const BuildObject& object : coarse.content.objects) {
-            if (object.ground())
-                spec.skirt_metres = std::max(spec.skirt_metres, 2 * static_cast<double>(object.error) + 1);
+            if (!object.ground()) continue;
+            spec.skirt_metres = std::max(spec.skirt_metres,
+                                         kPictureSkirtErrors * static_cast<double>(object.error) + kSkirtLeastMetres);
         }
         EncodedTile tile = encode_tile(spec, coarse.content, in_.workshop);
         include_children(node, tile.record);

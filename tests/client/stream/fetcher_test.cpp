@@ -301,6 +301,72 @@ TEST(HttpFetcher, ShapingHoldsBytesToTheRateAndAddsTheRoundTrip) {
     EXPECT_LE(result.seconds, 2.0);
 }
 
+/// Seconds of one answer of `size` bytes while the other connection asks for one small range after the other.
+double seconds_beside_small_requests(Fetcher& fetcher, uint64_t size, uint64_t& next_id) {
+    const uint64_t large = next_id++;
+    fetcher.submit({large, "a", 0, size, size, 9});
+    if (fetcher.pending() < 2) fetcher.submit({next_id++, "a", 0, 100, 100, 0});
+    while (true) {
+        for (const FetchResult& result : fetcher.wait(std::chrono::milliseconds(100))) {
+            if (result.id == large) return result.bytes ? result.seconds : 1e9;
+            fetcher.submit({next_id++, "a", 0, 100, 100, 0});
+        }
+    }
+}
+
+TEST(HttpFetcher, ShapingLetsAnAnswerPassWhileOtherRequestsAreOnTheirWay) {
+    TinyServer server(TinyServer::Files{{"/a", patterned(200'000)}});
+    FetcherOptions options = quick();
+    options.timeout_seconds = 10;
+    options.shape = NetworkShape{8e6, 0.05};  // 200,000 bytes in 0.2 s, after two round trips
+    auto fetcher = Fetcher::open(server.address() + "/tileset.json", options);
+    ASSERT_TRUE(fetcher);
+    // A busy machine only ever adds time: the best of a few counts.
+    double best = 1e9;
+    uint64_t next_id = 1;
+    for (int attempt = 0; attempt < 3 && best > 0.45; ++attempt)
+        best = std::min(best, seconds_beside_small_requests(**fetcher, 200'000, next_id));
+    EXPECT_GE(best, 0.25);
+    EXPECT_LE(best, 0.45) << "the link idles while a request is on its way";
+}
+
+using LinkClock = ShapedLink::Clock;
+
+TEST(ShapedLink, PassesNoMoreBytesThanItsRateInAnySpan) {
+    ShapedLink link(NetworkShape{8e6, 0});  // 1,000 bytes in 1 ms
+    const LinkClock::time_point begin{std::chrono::hours(1)};
+    LinkClock::time_point now = begin;
+    uint64_t bytes = 0, state = 5;
+    for (int i = 0; i < 2000; ++i) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        now += std::chrono::microseconds((state >> 33) % 4000);  // on time, late, or long idle
+        bytes += (state >> 50) % 3000;
+        const auto passed = link.reserve((state >> 50) % 3000, now);
+        ASSERT_GE(passed, now);
+        now = std::max(now, passed);
+        const double span = std::chrono::duration<double>(now + ShapedLink::kLateness - begin).count();
+        ASSERT_LE(static_cast<double>(bytes), 1e6 * span);
+    }
+}
+
+TEST(ShapedLink, LosesNothingToSleepersThatWakeALittleLate) {
+    ShapedLink link(NetworkShape{8e6, 0});
+    const LinkClock::time_point begin{std::chrono::hours(1)};
+    LinkClock::time_point now = begin;
+    for (int i = 0; i < 100; ++i) now = link.reserve(1000, now) + std::chrono::microseconds(300);
+    const auto seconds = std::chrono::duration<double>(now - begin).count();
+    EXPECT_NEAR(seconds, 0.1, 0.001);
+    const LinkClock::time_point later = now + std::chrono::seconds(1);
+    EXPECT_EQ(link.reserve(1000, later), later + std::chrono::milliseconds(1)) << "an idle second earns nothing";
+}
+
+TEST(ShapedLink, WithoutARateBytesTakeNoTime) {
+    ShapedLink link(NetworkShape{0, 0.04});
+    const LinkClock::time_point now{std::chrono::hours(1)};
+    EXPECT_EQ(link.reserve(1'000'000'000, now), now);
+    EXPECT_EQ(link.half_round_trip(), std::chrono::milliseconds(20));
+}
+
 TEST(LocalFetcher, ShapingHoldsBytesToTheRateAndAddsTheRoundTrip) {
     FetcherOptions options;
     options.shape = NetworkShape{8e6, 0.02};

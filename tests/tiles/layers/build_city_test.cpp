@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <deque>
 #include <filesystem>
@@ -267,6 +268,36 @@ TEST_F(BuildCity, ErrorsAndBoundsGrowUpTheTree) {
     EXPECT_EQ(city.tiles.size(), city.manifest.tiles);
 }
 
+TEST_F(BuildCity, InnerTilesStateAnErrorOfAtLeastTheTexelsOfTheirPictures) {
+    ASSERT_TRUE(build("city.3tz", generated(150), [](BuildOptions& options) { options.leaf_triangles = 1500; }).ok());
+    const OpenCity city = open_city(path("city.3tz"));
+    size_t inner = 0;
+    for (const auto& [address, tile] : city.tiles) {
+        if (!has_children(city, address) || tile.steps(Layer::kAtlas).empty()) continue;
+        ++inner;
+        const float stand_ins = tile.flat_facade_error;  // pictures of relief are shown only while it allows
+        EXPECT_GE(std::max(tile.geometric_error, stand_ins), tile.steps(Layer::kAtlas).back().error);
+        EXPECT_GE(tile.geometric_error, std::ldexp(1.0F, static_cast<int>(city.manifest.root_side_log2) -
+                                                             static_cast<int>(address.level) - 10));
+    }
+    EXPECT_GT(inner, 1U);
+}
+
+TEST_F(BuildCity, EverythingDrawnLiesInTheRootSquareAndTheCitysHeights) {
+    for (const auto& source : {generated(60), boxes({{{{0, 0, 3}, {128, 128, 9}}}})}) {
+        ASSERT_TRUE(build("city.3tz", source).ok());
+        const OpenCity city = open_city(path("city.3tz"));
+        const double side = std::ldexp(1.0, static_cast<int>(city.manifest.root_side_log2));
+        const tileset::Bounds& root = city.tiles.at({}).bounds;
+        for (size_t axis = 0; axis < 2; ++axis) {
+            EXPECT_GE(root.min[axis], 0);
+            EXPECT_LE(root.max[axis], side);
+        }
+        EXPECT_GE(root.min[2], city.manifest.extent.min[2]);
+        EXPECT_LE(root.max[2], city.manifest.extent.max[2]);
+    }
+}
+
 TEST_F(BuildCity, NeighbouringLeavesShareTheirGroundBorderPoints) {
     ASSERT_TRUE(build("city.3tz", generated(150), [](BuildOptions& options) { options.leaf_triangles = 1500; }).ok());
     const OpenCity city = open_city(path("city.3tz"));
@@ -340,6 +371,28 @@ TEST_F(BuildCity, MakesUpGroundOnlyWhereThereIsNone) {
     EXPECT_NE(open_city(path("bare.3tz")).manifest.build_options.find("made-up"), std::string::npos);
     ASSERT_TRUE(build("ground.3tz", generated(5)).ok());
     EXPECT_EQ(open_city(path("ground.3tz")).manifest.build_options.find("made-up"), std::string::npos);
+}
+
+TEST_F(BuildCity, TheReferenceShowsTheMadeUpGroundToo) {
+    const auto triangles_with = [&](bool ground) {
+        const auto summary = build("city.3tz", boxes({{{{0, 0, 3}, {5, 5, 9}}}}), [&](BuildOptions& options) {
+            options.reference = path("city.glb");
+            options.auto_ground = ground;
+        });
+        EXPECT_TRUE(summary.ok());
+        const std::string bytes = bytes_of(path("city.glb"));
+        uint32_t length = 0;
+        std::memcpy(&length, bytes.data() + 12, sizeof(length));
+        const auto json = nlohmann::json::parse(bytes.substr(20, length));
+        uint64_t indices = 0;
+        for (const auto& mesh : json["meshes"]) {
+            for (const auto& primitive : mesh["primitives"])
+                indices += json["accessors"][primitive["indices"].get<size_t>()]["count"].get<uint64_t>();
+        }
+        return indices / 3;
+    };
+    EXPECT_EQ(triangles_with(false), 10U);
+    EXPECT_EQ(triangles_with(true), 12U);
 }
 
 TEST_F(BuildCity, TheReferenceIsABinaryGltfOfItsStatedLength) {

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <set>
 
+#include "codec/facade/facade_map.h"
 #include "tiles/layers/block.h"
+#include "tiles/layers/coarsen.h"
 #include "tiles/layers/decimate.h"
 #include "tiles/layers/ground.h"
 #include "tiles/layers/hidden_faces.h"
@@ -78,6 +80,39 @@ struct Workshop {
     FacadePainter facades{catalog, images};
 };
 
+/// A wall of 3 m x 3 m with a window recess of `depth_mm` in its middle, added to the catalog.
+uint32_t add_recessed_map(city::CityCatalog& catalog, int16_t depth_mm) {
+    codec::facade::FacadeImage image;
+    image.width = image.height = 300;
+    image.displacement_mm.assign(90000, 0);
+    image.material.assign(90000, 0);
+    for (uint32_t y = 100; y < 200; ++y) {
+        for (uint32_t x = 100; x < 200; ++x) {
+            image.displacement_mm[y * 300 + x] = static_cast<int16_t>(-depth_mm);
+            image.material[y * 300 + x] = 1;
+        }
+    }
+    const auto words = codec::facade::encode_facade_map(image);
+    EXPECT_TRUE(words.ok());
+    catalog.facade_maps.push_back(*words);
+    if (catalog.palettes.empty()) {
+        city::Material dark;
+        dark.rgb = {20, 20, 30};
+        catalog.palettes.emplace_back();
+        catalog.palettes[0].material = {catalog.add_material({}), catalog.add_material(dark)};
+    }
+    return static_cast<uint32_t>(catalog.facade_maps.size() - 1);
+}
+
+/// A facade along the x axis, `metres` wide and high.
+quadtree::BuildFacade facade_of(uint32_t map, int metres) {
+    quadtree::BuildFacade facade;
+    facade.along = {static_cast<int32_t>(metres * kMetre), 0};
+    facade.height = static_cast<uint32_t>(metres * kMetre);
+    facade.map = map;
+    return facade;
+}
+
 const std::vector<std::array<double, 2>> kNotched = {{0, 0},     {10, 0},    {10, 10},  {5.2, 10},
                                                      {5.2, 9.8}, {4.8, 9.8}, {4.8, 10}, {0, 10}};
 
@@ -126,6 +161,54 @@ TEST(Block, StaysWithinTheErrorItStates) {
 TEST(Block, IsNotMadeWhereItWouldBeTooFarOff) {
     Workshop shop;
     EXPECT_FALSE(make_block(prism(kNotched, 5), 0.05, shop.images, shop.facades).has_value());
+}
+
+TEST(Block, CountsTheReliefOfTheFacadesThatItLoses) {
+    Workshop shop;
+    BuildObject house = prism(kNotched, 5);
+    const auto plain = make_block(house, 2.0, shop.images, shop.facades);
+    house.facades.push_back(facade_of(add_recessed_map(shop.catalog, 500), 5));
+    const auto block = make_block(house, 2.0, shop.images, shop.facades);
+    ASSERT_TRUE(plain.has_value() && block.has_value());
+    EXPECT_GE(block->error, 0.5F);
+    EXPECT_FALSE(make_block(house, 0.5, shop.images, shop.facades).has_value());
+}
+
+class CoarsenFacades : public testing::Test {
+  protected:
+    /// A house of notched outline with one facade, coarsened to an error with texels of half of it.
+    BuildObject coarse(int16_t depth_mm, double error) {
+        TileContent content;
+        content.objects.push_back(prism(kNotched, 5));
+        content.objects[0].facades.push_back(facade_of(add_recessed_map(shop_.catalog, depth_mm), 5));
+        const TileWorkshop workshop{shop_.catalog, shop_.images, shop_.facades, {true, true, true, false}, {}};
+        CoarsenSpec spec;
+        spec.side = 512 * kMetre;
+        spec.error_metres = error;
+        spec.texel_metres = error / 2;
+        spec.triangle_limit = 1000;
+        CoarseContent out = coarsen(std::move(content), spec, workshop);
+        EXPECT_EQ(out.content.objects.size(), 1U);
+        return out.content.objects.at(0);
+    }
+    static bool has_picture(const BuildObject& object) {
+        return std::any_of(object.paints.begin(), object.paints.end(),
+                           [](const Paint& paint) { return paint.kind == quadtree::PaintKind::kFacade; });
+    }
+    Workshop shop_;
+};
+
+TEST_F(CoarsenFacades, ReliefStaysWhileTwiceItsDepthIsMoreThanTheError) {
+    EXPECT_EQ(coarse(400, 0.7).facades.size(), 1U);
+    EXPECT_EQ(coarse(400, 0.9).facades.size(), 0U);
+}
+
+TEST_F(CoarsenFacades, AWallWhoseWindowsStillShowKeepsItsPictureInsteadOfBecomingABlock) {
+    const BuildObject near = coarse(100, 0.9), far = coarse(100, 3.0);
+    EXPECT_TRUE(has_picture(near));
+    EXPECT_FALSE(near.block);
+    EXPECT_FALSE(has_picture(far));
+    EXPECT_TRUE(far.block);
 }
 
 TEST(Crowd, ABoxOfTheSameFootprintReplacesSmallThings) {

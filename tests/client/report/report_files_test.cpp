@@ -1,0 +1,80 @@
+#include "client/report/report_files.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "client/report/svg_plot.h"
+
+namespace citystream::client {
+namespace {
+
+SweepResult two_settings() {
+    SweepResult result;
+    result.device = "a <device>";
+    result.reference_pictures = {"reference_000.png", "reference_001.png"};
+    result.reference_ms = {10, 12};
+    result.reference_triangles = {100, 120};
+    for (const double tolerance : {1.0, 4.0}) {
+        SettingResult setting;
+        setting.setting = {"tolerance", tolerance};
+        for (uint32_t frame = 0; frame < 2; ++frame) {
+            FrameRow row;
+            row.frame = frame;
+            row.gpu_ms = 20 / tolerance + frame;
+            row.wire_bytes = frame == 0 ? static_cast<uint64_t>(4000 / tolerance) : 0;
+            row.difference = {40 - tolerance, 0.99, 0.01 * tolerance};
+            row.picture = "p.png";
+            row.flip_picture = "q.png";
+            setting.total_wire_bytes += row.wire_bytes;
+            setting.frames.push_back(row);
+        }
+        result.settings.push_back(setting);
+    }
+    return result;
+}
+
+TEST(Report, JsonHasMediansTotalsAndTheLeastPsnrOfEverySetting) {
+    const auto json = nlohmann::json::parse(report_json(SweepOptions{}, two_settings()));
+    ASSERT_EQ(json["settings"].size(), 2u);
+    EXPECT_DOUBLE_EQ(json["settings"][0]["gpu_ms_median"], 20.5);
+    EXPECT_DOUBLE_EQ(json["settings"][1]["gpu_ms_median"], 5.5);
+    EXPECT_EQ(json["settings"][0]["wire_bytes"], 4000);
+    EXPECT_DOUBLE_EQ(json["settings"][1]["psnr_db_least"], 36);
+}
+
+TEST(Report, CsvHasARowForEveryFrameOfEverySetting) {
+    const std::string csv = frames_csv(two_settings());
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
+    const size_t header_columns =
+        static_cast<size_t>(std::count(csv.begin(), csv.begin() + static_cast<long>(csv.find('\n')), ','));
+    EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), ',')), 5 * header_columns);
+}
+
+TEST(Report, PageShowsEveryPictureAndEscapesText) {
+    const std::string html = report_html(SweepOptions{}, two_settings());
+    EXPECT_NE(html.find("a &lt;device&gt;"), std::string::npos);
+    EXPECT_NE(html.find("pictures/reference_001.png"), std::string::npos);
+    EXPECT_NE(html.find("Error against bytes"), std::string::npos);
+    EXPECT_EQ(html.find("src='http"), std::string::npos);
+}
+
+TEST(SvgPlot, PutsPointsInsideTheAxesAndLeavesOutWhatALogarithmCannotShow) {
+    const std::string svg = plot_svg({"t", "x", "y", true}, {{"s", {{1, 1, "a"}, {10, 2, "b"}, {0, 3, "left out"}}}});
+    EXPECT_NE(svg.find(">a<"), std::string::npos);
+    EXPECT_EQ(svg.find("left out"), std::string::npos);
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+    EXPECT_NE(plot_svg({"t", "x", "y", false}, {}).find("no points"), std::string::npos);
+}
+
+TEST(SvgPlot, OnePointIsNoDivisionByZero) {
+    const std::string svg = plot_svg({"t", "x", "y", false}, {{"s", {{0, 0, "only"}}}});
+    EXPECT_NE(svg.find(">only<"), std::string::npos);
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+    EXPECT_EQ(svg.find("inf"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace citystream::client
