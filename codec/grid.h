@@ -18,7 +18,11 @@ struct GridPoint {
 };
 
 /// Nearest grid coordinate of a coordinate in metres; exact for |metres| < 2^43.
-inline int64_t to_grid(double metres) { return std::llround(metres * kGridUnitsPerMetre); }
-inline double to_metres(int64_t grid) { return static_cast<double>(grid) * kMetresPerGridUnit; }
+inline int64_t to_grid(double metres) {
+    return std::llround(metres * kGridUnitsPerMetre);
+}
+inline double to_metres(int64_t grid) {
+    return static_cast<double>(grid) * kMetresPerGridUnit;
+}
 
 }  // namespace citystream

@@ -7,11 +7,13 @@
 
 namespace citystream {
 
-/// One step of a layer as a codec makes it. The decoded form of a layer prefix is the concatenation of `words` of its steps:
-/// little-endian 32-bit words, uploaded to the GPU as they are. Adding a step only appends; nothing before it changes.
+/// One step of a layer as a codec makes it. The decoded form of a layer prefix is the concatenation of `words` of its
+/// steps: little-endian 32-bit words, uploaded to the GPU as they are. Adding a step only appends; nothing before it
+/// changes.
 struct LayerStep {
     std::vector<uint32_t> words;
-    /// Error of the prefix that ends with this step: metres (mesh, facade), metres per texel (atlas). Never grows along a layer.
+    /// Error of the prefix that ends with this step: metres (mesh, facade), metres per texel (atlas). Never grows along
+    /// a layer.
     float error = 0;
 };
 

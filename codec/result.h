@@ -25,20 +25,32 @@ struct Error {
 template <typename T>
 class [[nodiscard]] Result {
   public:
-    Result(T value) : value_(std::move(value)) {}         // NOLINT(google-explicit-constructor)
-    Result(Error error) : error_(std::move(error)) {}     // NOLINT(google-explicit-constructor)
+    Result(T value) : value_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
+    Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
     bool ok() const { return value_.has_value(); }
     explicit operator bool() const { return ok(); }
-    const T& value() const& { assert(ok()); return *value_; }
-    T& value() & { assert(ok()); return *value_; }
-    T&& value() && { assert(ok()); return std::move(*value_); }
+    const T& value() const& {
+        assert(ok());
+        return *value_;
+    }
+    T& value() & {
+        assert(ok());
+        return *value_;
+    }
+    T&& value() && {
+        assert(ok());
+        return std::move(*value_);
+    }
     const T& operator*() const& { return value(); }
     T& operator*() & { return value(); }
     T&& operator*() && { return std::move(*this).value(); }
     const T* operator->() const { return &value(); }
     T* operator->() { return &value(); }
-    const Error& error() const { assert(!ok()); return error_; }
+    const Error& error() const {
+        assert(!ok());
+        return error_;
+    }
 
   private:
     std::optional<T> value_;

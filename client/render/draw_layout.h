@@ -1,4 +1,5 @@
-// What the CPU tells the shaders about a frame and its tiles, shared by C++ and GLSL. 4-byte members only, so both lay them out alike.
+// What the CPU tells the shaders about a frame and its tiles, shared by C++ and GLSL. 4-byte members only, so both lay
+// them out alike.
 #ifndef CITYSTREAM_CLIENT_DRAW_LAYOUT_H
 #define CITYSTREAM_CLIENT_DRAW_LAYOUT_H
 
@@ -14,7 +15,8 @@ using uint = uint32_t;
 #define LAYER_REF_DIRECT 1u
 #define DRAW_MESH_STEPS 4
 
-/* Of a frame. Directions are the camera's axes, scaled so that clip.xyw = row * p and clip.z = near_plane (reversed z, infinite far plane). */
+/* Of a frame. Directions are the camera's axes, scaled so that clip.xyw = row * p and clip.z = near_plane (reversed z,
+ * infinite far plane). */
 struct FrameConstants {
     float clip_x[3];
     float clip_y[3];
@@ -23,15 +25,15 @@ struct FrameConstants {
     float near_plane;
 };
 
-/* Of a tile. References are 0 for layers that are not there. Positions relative to the camera are exact integers up to the last step:
-   origin + position, in grid units. */
+/* Of a tile. References are 0 for layers that are not there. Positions relative to the camera are exact integers up to
+   the last step: origin + position, in grid units. */
 struct TileConstants {
     uint mesh[2];
     uint atlas[2];
     uint facade[2];
     uint facade_maps[2]; /* address of FacadeMapEntry[facade_map_count], sorted by map */
     uint facade_map_count;
-    int origin[3];       /* grid units from the camera's grid cell to the tile's origin */
+    int origin[3]; /* grid units from the camera's grid cell to the tile's origin */
     uint atlas_finest_mip;
     uint mesh_steps;
     uint mesh_step_begin[DRAW_MESH_STEPS]; /* words */

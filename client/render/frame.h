@@ -19,14 +19,14 @@ struct FacadeMapBinding {
 
 /// One tile to draw, with the prefixes that are resident.
 struct TileDraw {
-    std::array<double, 3> origin{};        ///< metres, absolute: what tile-relative positions count from
+    std::array<double, 3> origin{};  ///< metres, absolute: what tile-relative positions count from
     LayerId mesh = kNoLayer;
-    std::vector<uint32_t> mesh_step_words; ///< words of each resident step
+    std::vector<uint32_t> mesh_step_words;  ///< words of each resident step
     uint32_t mesh_triangles = 0;
     uint32_t mesh_dressed_begin = 0;
-    LayerId atlas = kNoLayer;              ///< kNoLayer: flat grey
+    LayerId atlas = kNoLayer;  ///< kNoLayer: flat grey
     uint32_t atlas_finest_mip = 0;
-    LayerId facade = kNoLayer;             ///< when set, dressed triangles are not drawn; placements are ray cast instead
+    LayerId facade = kNoLayer;  ///< when set, dressed triangles are not drawn; placements are ray cast instead
     uint32_t facade_placements = 0;
     std::vector<FacadeMapBinding> facade_maps;  ///< sorted by map
 };

@@ -1,5 +1,6 @@
 // Constants of the one lighting model, shared by the Vulkan shaders, the GLES reference and C++.
-// All colour arithmetic is on sRGB-encoded values (no transfer function): texel * (ambient + sun * max(0, n.l)), clamped.
+// All colour arithmetic is on sRGB-encoded values (no transfer function): texel * (ambient + sun * max(0, n.l)),
+// clamped.
 #ifndef CITYSTREAM_CLIENT_LIGHTING_LAYOUT_H
 #define CITYSTREAM_CLIENT_LIGHTING_LAYOUT_H
 

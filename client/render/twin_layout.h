@@ -1,5 +1,5 @@
-// Push constants of the twin_*.comp.glsl passes, shared by C++ and GLSL. They decode one layer on the GPU with the includes that draw it,
-// so that tests can compare every integer with the CPU's decoder.
+// Push constants of the twin_*.comp.glsl passes, shared by C++ and GLSL. They decode one layer on the GPU with the
+// includes that draw it, so that tests can compare every integer with the CPU's decoder.
 #ifndef CITYSTREAM_CLIENT_TWIN_LAYOUT_H
 #define CITYSTREAM_CLIENT_TWIN_LAYOUT_H
 
@@ -10,17 +10,18 @@ namespace citystream::client {
 #endif
 
 #define TWIN_GROUP 64
-#define TWIN_MESH_WORDS 12  /* a corner: index, position xyz, packed normal, unfolded normal xyz, texcoord uv, atlas chart, unused */
-#define TWIN_RAY_WORDS 6    /* origin, direction (float bits) */
-#define TWIN_HIT_WORDS 4    /* hit, t (float bits), label, axis | sign > 0 << 8 */
+#define TWIN_MESH_WORDS \
+    12 /* a corner: index, position xyz, packed normal, unfolded normal xyz, texcoord uv, atlas chart, unused */
+#define TWIN_RAY_WORDS 6 /* origin, direction (float bits) */
+#define TWIN_HIT_WORDS 4 /* hit, t (float bits), label, axis | sign > 0 << 8 */
 
 struct TwinConstants {
-    uint layer[2];   /* reference as in TileConstants */
+    uint layer[2]; /* reference as in TileConstants */
     uint input_words[2];
     uint output_words[2];
-    uint count;      /* corners, texels or rays */
-    uint first;      /* mesh: resident steps; atlas: chart */
-    uint second;     /* atlas: mip */
+    uint count;  /* corners, texels or rays */
+    uint first;  /* mesh: resident steps; atlas: chart */
+    uint second; /* atlas: mip */
     uint reserved;
     uint mesh_step_begin[DRAW_MESH_STEPS];
 };

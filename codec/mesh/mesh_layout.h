@@ -9,18 +9,22 @@
 #define MESH_WORD_MAGIC 0
 #define MESH_WORD_VERTEX_COUNT 1
 #define MESH_WORD_TRIANGLE_COUNT 2
-#define MESH_WORD_DRESSED_BEGIN 3 /* first triangle of the flat stand-ins of facades, last part of the triangle list */
-#define MESH_WORD_ORIGIN_X 4      /* int32 grid units from the tile's minimum corner and base height; multiple of 2^dropped(step 0) */
+/* first triangle of the flat stand-ins of facades, last part of the triangle list */
+#define MESH_WORD_DRESSED_BEGIN 3
+/* int32 grid units from the tile's minimum corner and base height; multiple of 2^dropped(step 0) */
+#define MESH_WORD_ORIGIN_X 4
 #define MESH_WORD_ORIGIN_Y 5
 #define MESH_WORD_ORIGIN_Z 6
-#define MESH_WORD_WIDTHS 7 /* index bits | chart bits << 8 | position bits of step 0 << 16 | low bits dropped at step 0 << 24 */
+/* index bits | chart bits << 8 | position bits of step 0 << 16 | low bits dropped at step 0 << 24 */
+#define MESH_WORD_WIDTHS 7
 #define MESH_WORD_CHART_COUNT 8
 #define MESH_WORD_CHART_TABLE 9 /* offset: 4 words a chart */
 #define MESH_WORD_INDICES 10    /* offset: 3 * triangles fields of index bits */
 #define MESH_WORD_CHARTS 11     /* offset: one field of chart bits a triangle */
-#define MESH_WORD_NORMALS 12    /* offset: 16 bits a vertex: octahedral u | v << 8, two vertices a word */
-#define MESH_WORD_TEXCOORDS 13  /* offset: one word a vertex: q_u | q_v << 16 */
-#define MESH_WORD_POSITIONS 14  /* offset: 3 fields a vertex */
+/* offset: 16 bits a vertex: octahedral u | v << 8, two vertices a word */
+#define MESH_WORD_NORMALS 12
+#define MESH_WORD_TEXCOORDS 13 /* offset: one word a vertex: q_u | q_v << 16 */
+#define MESH_WORD_POSITIONS 14 /* offset: 3 fields a vertex */
 #define MESH_HEADER_WORDS 16
 
 /* Chart table entry: texture coordinate in 2^-16 repeats = base + (q << shift). */

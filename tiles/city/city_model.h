@@ -1,6 +1,6 @@
 // A city as a stream of objects: what every reader and the generator produce and the builder consumes.
-// Coordinates are metres in the input's projected CRS (double, z up). Nothing here holds a whole city: objects go one by one through a CitySink;
-// only the catalog (materials, images by reference, facade maps) is shared.
+// Coordinates are metres in the input's projected CRS (double, z up). Nothing here holds a whole city: objects go one
+// by one through a CitySink; only the catalog (materials, images by reference, facade maps) is shared.
 #pragma once
 
 #include <array>
@@ -14,10 +14,24 @@
 
 namespace citystream::tiles::city {
 
-struct Vec2 { double x = 0, y = 0; };
-struct Vec3 { double x = 0, y = 0, z = 0; };
+struct Vec2 {
+    double x = 0, y = 0;
+};
+struct Vec3 {
+    double x = 0, y = 0, z = 0;
+};
 
-enum class ObjectKind : uint8_t { kBuilding, kTerrain, kLandUse, kRoad, kWater, kVegetation, kBridge, kFurniture, kOther };
+enum class ObjectKind : uint8_t {
+    kBuilding,
+    kTerrain,
+    kLandUse,
+    kRoad,
+    kWater,
+    kVegetation,
+    kBridge,
+    kFurniture,
+    kOther
+};
 enum class SurfaceKind : uint8_t { kUnknown, kWall, kRoof, kGround, kWindow, kDoor, kInstallation };
 
 /// An image in memory: 8-bit RGB, sRGB-encoded, row 0 is the bottom (v = 0).
@@ -28,8 +42,8 @@ struct Image {
 
 /// Where an image comes from; decoded by the builder when a tile needs it.
 struct ImageSource {
-    std::string path;                    ///< file to decode with OpenImageIO; empty when `pixels` holds the image
-    std::shared_ptr<const Image> pixels; ///< procedural images
+    std::string path;                     ///< file to decode with OpenImageIO; empty when `pixels` holds the image
+    std::shared_ptr<const Image> pixels;  ///< procedural images
 };
 
 /// A flat colour, or an image whose texture coordinates are given per corner (in repeats of the whole image).
@@ -50,7 +64,8 @@ struct FacadePalette {
 struct CityCatalog {
     std::vector<Material> materials;
     std::vector<ImageSource> images;
-    std::vector<std::vector<uint32_t>> facade_maps;  ///< encoded words (codec/facade/facade_map.h), each distinct map once
+    std::vector<std::vector<uint32_t>>
+        facade_maps;  ///< encoded words (codec/facade/facade_map.h), each distinct map once
     std::vector<FacadePalette> palettes;
 
     /// Index of an equal material, appended when new.
@@ -64,11 +79,12 @@ struct Triangle {
     SurfaceKind surface = SurfaceKind::kUnknown;
 };
 
-/// A flat rectangular wall that carries a facade map. It is not among the triangles: builder and reference make its geometry.
+/// A flat rectangular wall that carries a facade map. It is not among the triangles: builder and reference make its
+/// geometry.
 struct FacadeWall {
-    Vec3 lower_left;   ///< seen from outside
-    Vec2 along;        ///< metres, to the lower right corner; the outward normal is (along.y, -along.x)
-    double height = 0; ///< metres; the map is stretched over |along| x height
+    Vec3 lower_left;    ///< seen from outside
+    Vec2 along;         ///< metres, to the lower right corner; the outward normal is (along.y, -along.x)
+    double height = 0;  ///< metres; the map is stretched over |along| x height
     uint32_t map = 0;
     uint32_t palette = 0;
 };
@@ -83,18 +99,19 @@ struct CityObject {
 
 /// A defect of the input that was repaired or skipped; never silent.
 struct Defect {
-    std::string feature;  ///< id, or file name when none
-    std::string what;     ///< "ring of 2 points skipped", "image missing: roof.jpg", ...
-    std::string where;    ///< file and line, byte or path in the document
+    std::string feature;           ///< id, or file name when none
+    std::string what;              ///< "ring of 2 points skipped", "image missing: roof.jpg", ...
+    std::string where;             ///< file and line, byte or path in the document
     bool dropped_feature = false;  ///< the whole feature is absent from the city
 };
 
 struct CityReport {
-    uint64_t features_read = 0;     ///< top-level features seen
+    uint64_t features_read = 0;  ///< top-level features seen
     uint64_t objects_emitted = 0;
-    uint64_t buildings_emitted = 0; ///< top-level buildings with geometry (a Building with its BuildingParts counts once)
+    uint64_t buildings_emitted =
+        0;  ///< top-level buildings with geometry (a Building with its BuildingParts counts once)
     uint64_t triangles_emitted = 0;
-    std::vector<Defect> defects;    ///< at most kMaxDefects kept in full; defect_count counts all
+    std::vector<Defect> defects;  ///< at most kMaxDefects kept in full; defect_count counts all
     uint64_t defect_count = 0;
     std::vector<std::string> dropped_features;  ///< ids of every feature that is absent, never truncated
     static constexpr size_t kMaxDefects = 10000;

@@ -45,9 +45,9 @@ struct TileRecord {
     Bounds bounds;              ///< of the tile's content and of all tiles below it
     float geometric_error = 0;  ///< metres: error of the tile drawn with all its mesh steps
     float flat_facade_error =
-        0;                     ///< metres: error of drawing its facades flat (twice the greatest relief depth); 0 without facades
-    int64_t base_height = 0;   ///< grid units: z that tile-relative positions count from
-    uint32_t facade_maps = 0;  ///< distinct dictionary maps its facade layer uses
+        0;  ///< metres: error of drawing its facades flat (twice the greatest relief depth); 0 without facades
+    int64_t base_height = 0;                                  ///< grid units: z that tile-relative positions count from
+    uint32_t facade_maps = 0;                                 ///< distinct dictionary maps its facade layer uses
     std::array<std::vector<StepRecord>, kLayerCount> layers;  ///< empty = the tile has no such layer
     friend bool operator==(const TileRecord&, const TileRecord&) = default;
 

@@ -82,7 +82,8 @@ TEST(Bc1, ConstantBlocksAreTheNearestThatTheFormatHas) {
             for (int c = 0; c < 3; ++c) worst[c] = std::max(worst[c], std::abs(texel[c] - rgb[c]));
         }
     }
-    // Thirds of the grids come within 1 of every value; plain endpoints would be off by up to 4 (5 bits) and 2 (6 bits).
+    // Thirds of the grids come within 1 of every value; plain endpoints would be off by up to 4 (5 bits) and 2 (6
+    // bits).
     EXPECT_LE(worst[0], 1);
     EXPECT_LE(worst[1], 1);
     EXPECT_LE(worst[2], 1);
