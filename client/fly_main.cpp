@@ -17,9 +17,11 @@
 
 #include "client/path/camera_path.h"
 #include "client/reference/reference_renderer.h"
+#include "client/render/facade_renderer.h"
 #include "client/render/frame_file.h"
 #include "client/render/video_writer.h"
 #include "client/render/vulkan_renderer.h"
+#include "client/select/relief_arguments.h"
 #include "client/stream/byte_count.h"
 #include "client/stream/city_streamer.h"
 #include "client/stream/fetcher.h"
@@ -38,15 +40,25 @@ extern "C" void request_stop(int) {
 
 struct FlyOptions {
     std::string place, path, frames_folder, video, stats,
-        size = "1280x720", gpu_budget = "512MiB", host_budget = "1GiB", mode = "offline", network, device, reference;
+        size = "1280x720", gpu_budget = "512MiB", host_budget = "1GiB", mode = "offline", network, device, reference,
+        facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)}, map_level = "auto";
     double tolerance = 1, fps = 10;
+    std::optional<double> relief_tolerance;
     uint32_t supersample = 1;
     bool list_devices = false, validation = false, json = false;
     // Parsed:
     uint32_t width = 0, height = 0;
     uint64_t gpu_bytes = 0, host_bytes = 0;
     std::optional<NetworkShape> shape;
+    FacadeRenderer renderer = FacadeRenderer::kPatch;
+    ReliefOptions relief;
 };
+
+std::vector<std::string> facade_renderer_names() {
+    std::vector<std::string> names;
+    for (const FacadeRenderer renderer : kFacadeRenderers) names.emplace_back(facade_renderer_name(renderer));
+    return names;
+}
 
 int fail(const std::string& what) {
     fmt::print(stderr, "citystream-fly: {}\n", what);
@@ -84,6 +96,12 @@ Status parse_values(FlyOptions& options) {
         if (!shape) return shape.error();
         options.shape = *shape;
     }
+    const auto renderer = facade_renderer_named(options.facade_renderer);
+    if (!renderer) return Error{"--facade-renderer: there is no " + options.facade_renderer};
+    options.renderer = *renderer;
+    const auto relief = parse_relief_options(options.map_level, options.relief_tolerance);
+    if (!relief) return relief.error();
+    options.relief = *relief;
     if (options.path.empty()) return Error{"--path PATH.csv is required"};
     if (options.place.empty() && options.reference.empty()) return Error{"a URL, a .3tz file or a folder is required"};
     return Done{};
@@ -253,6 +271,9 @@ FlightDescription describe(const FlyOptions& options, const std::string& device)
     description.width = options.width;
     description.height = options.height;
     description.tolerance_pixels = options.tolerance;
+    description.relief_tolerance_pixels = options.relief_tolerance.value_or(options.tolerance);
+    description.map_level = options.map_level;
+    description.facade_renderer = options.facade_renderer;
     description.frames_per_second = options.fps;
     description.gpu_budget_bytes = options.gpu_bytes;
     description.host_budget_bytes = options.host_bytes;
@@ -285,6 +306,7 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
     renderer_options.device = options.device;
     renderer_options.supersample = options.supersample;
     renderer_options.validation = options.validation;
+    renderer_options.facade_renderer = options.renderer;
     auto renderer = VulkanRenderer::create(renderer_options);
     if (!renderer) return fail(renderer.error().text());
 
@@ -292,6 +314,9 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
     streamer_options.tolerance_pixels = options.tolerance;
     streamer_options.host_budget_bytes = options.host_bytes;
     streamer_options.wait_for_selection = options.mode == "offline";
+    streamer_options.relief = options.relief;
+    streamer_options.facade_form = form_for(options.renderer);
+    streamer_options.facade_boxes = steps_through_boxes(options.renderer);
     streamer_options.stop = &stop_requested;
     auto streamer = CityStreamer::open(**fetcher, **renderer, streamer_options);
     if (!streamer) return fail(streamer.error().text());
@@ -332,6 +357,7 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
     totals.frame_buffer_bytes = (*renderer)->frame_buffer_bytes();
     totals.gpu_bytes_allocated = (*renderer)->gpu_bytes_allocated();
     totals.validation_messages = (*renderer)->validation_messages();
+    totals.facade_pipeline = (*renderer)->has_facade_pipeline();
     totals.stopped_early = stop_requested;
     const Status reported = report(options, statistics, totals);
     if (!reported) return fail(reported.error().text());
@@ -390,6 +416,16 @@ void add_options(CLI::App& app, FlyOptions& options) {
     app.add_option("--tolerance", options.tolerance, "largest error in pixels")
         ->capture_default_str()
         ->check(CLI::Range(0.01, 1e6));
+    app.add_option("--relief-tolerance", options.relief_tolerance,
+                   "facade relief that projects to fewer pixels is drawn flat (default: --tolerance)")
+        ->check(CLI::Range(0.01, 1e6));
+    app.add_option("--map-level", options.map_level,
+                   "level of every facade map, 0 the coarsest; auto: as coarse as --tolerance lets it be")
+        ->capture_default_str()
+        ->check(CLI::IsMember(map_level_names()));
+    app.add_option("--facade-renderer", options.facade_renderer, "how relief is ray cast")
+        ->capture_default_str()
+        ->check(CLI::IsMember(facade_renderer_names()));
     app.add_option("--frames", options.frames_folder, "folder for the frames (PNG)");
     app.add_option("--video", options.video, "film of the frames (MP4)");
     app.add_option("--stats", options.stats, "statistics of every frame (JSON)");

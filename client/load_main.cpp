@@ -7,11 +7,13 @@
 #include <csignal>
 #include <cstdio>
 #include <fstream>
+#include <optional>
 #include <string>
 
 #include "client/load/load_arguments.h"
 #include "client/load/load_report.h"
 #include "client/load/load_run.h"
+#include "client/select/relief_arguments.h"
 
 namespace {
 
@@ -28,7 +30,8 @@ static_assert(std::atomic<bool>::is_always_lock_free, "the signal handler sets i
 
 struct Arguments {
     std::string place, path, duration = "30s", ramp = "2s", size = "1280x720", network, host_budget = "1GiB",
-                             gpu_budget = "512MiB", stats;
+                             gpu_budget = "512MiB", stats, map_level = "auto";
+    std::optional<double> relief_tolerance;
     client::LoadOptions options;
     bool json = false;
 };
@@ -66,6 +69,9 @@ Status interpret(Arguments& arguments) {
         if (!shape) return Error{"--network: " + shape.error().text()};
         options.client.fetcher.shape = *shape;
     }
+    const auto relief = client::parse_relief_options(arguments.map_level, arguments.relief_tolerance);
+    if (!relief) return relief.error();
+    options.client.streamer.relief = *relief;
     options.client.place = arguments.place;
     return Done{};
 }
@@ -138,6 +144,13 @@ int main(int argc, char** argv) {
                    "Error on the screen that is good enough, in pixels")
         ->check(CLI::Range(0.01, 1000.0))
         ->capture_default_str();
+    app.add_option("--relief-tolerance", arguments.relief_tolerance,
+                   "Facade relief that projects to fewer pixels is not fetched (default: --tolerance)")
+        ->check(CLI::Range(0.01, 1000.0));
+    app.add_option("--map-level", arguments.map_level,
+                   "Level of every facade map, 0 the coarsest; auto: as coarse as --tolerance lets it be")
+        ->capture_default_str()
+        ->check(CLI::IsMember(client::map_level_names()));
     app.add_option("--size", arguments.size, "Picture size that clients select for")->capture_default_str();
     app.add_option("--network", arguments.network, "Shape each client's link, as 5mbit,38ms");
     app.add_option("--connections", options.client.fetcher.connections, "Connections of each client")

@@ -3,21 +3,30 @@
 #include <fmt/format.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
+#include <optional>
 
 #include "client/report/report_files.h"
 #include "client/report/sweep.h"
+#include "client/select/relief_arguments.h"
 
 namespace {
 
 using namespace citystream;
 using namespace citystream::client;
 
+constexpr double kUsualTolerances[] = {0.5, 1, 2, 4, 8, 16};
+
 struct Arguments {
     SweepOptions sweep;
     std::string path_file, folder, size = "1280x720";
-    std::vector<double> tolerances = {0.5, 1, 2, 4, 8, 16};
-    std::vector<double> gpu_budgets_mib;
+    std::vector<double> tolerances;  ///< kUsualTolerances when no knob is given
+    std::vector<double> gpu_budgets_mib, relief_tolerances;
+    std::vector<std::string> map_levels, facade_renderers, also;
+    std::string map_level = "auto", facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)};
+    std::optional<double> relief_tolerance;
     bool json = false;
 };
 
@@ -32,8 +41,60 @@ std::string reference_beside(const std::string& city) {
     return std::filesystem::exists(glb) ? glb.string() : "";
 }
 
+std::vector<std::string> renderer_names() {
+    std::vector<std::string> names;
+    for (const FacadeRenderer renderer : kFacadeRenderers) names.emplace_back(facade_renderer_name(renderer));
+    return names;
+}
+
+/// "NAME=PLACE"; names go into tables, plots and file names.
+Result<Setting> parse_archive(const std::string& text) {
+    const size_t sign = text.find('=');
+    const std::string name = text.substr(0, sign);
+    const bool plain = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+        return std::isalnum(c) != 0 || c == ' ' || c == '.' || c == '_' || c == '-';
+    });
+    if (sign == std::string::npos || !plain || sign + 1 == text.size())
+        return Error{"--also " + text + ": give NAME=CITY, the name of letters, digits, spaces and .-_"};
+    return Setting{"archive", 0, name, text.substr(sign + 1)};
+}
+
+/// In the order of the page: every knob that was asked for, and with other archives the city itself beside them.
+Result<std::vector<Setting>> settings_of(const Arguments& arguments) {
+    std::vector<Setting> settings;
+    const auto add_numbers = [&](const char* knob, const std::vector<double>& values) {
+        for (const double value : values) settings.push_back({knob, value, {}, {}});
+    };
+    const auto add_names = [&](const char* knob, const std::vector<std::string>& names) {
+        for (const std::string& name : names) settings.push_back({knob, 0, name, {}});
+    };
+    add_numbers("tolerance", arguments.tolerances);
+    add_numbers("gpu-budget", arguments.gpu_budgets_mib);
+    add_numbers("relief-tolerance", arguments.relief_tolerances);
+    add_names("map-level", arguments.map_levels);
+    add_names("facade-renderer", arguments.facade_renderers);
+    if (!arguments.also.empty()) settings.push_back({"archive", 0, "as given", arguments.sweep.city});
+    for (const std::string& text : arguments.also) {
+        auto archive = parse_archive(text);
+        if (!archive) return archive.error();
+        const bool taken = std::any_of(settings.begin(), settings.end(), [&](const Setting& setting) {
+            return setting.knob == "archive" && setting.name == archive->name;
+        });
+        if (taken) return Error{"--also " + text + ": the name is taken"};
+        settings.push_back(std::move(*archive));
+    }
+    if (settings.empty()) add_numbers("tolerance", {std::begin(kUsualTolerances), std::end(kUsualTolerances)});
+    return settings;
+}
+
 int run(Arguments& arguments) {
     SweepOptions& sweep = arguments.sweep;
+    const auto settings = settings_of(arguments);
+    if (!settings) return complain(settings.error().text());
+    const auto relief = parse_relief_options(arguments.map_level, arguments.relief_tolerance);
+    if (!relief) return complain(relief.error().text());
+    sweep.relief = *relief;
+    sweep.facade_renderer = facade_renderer_named(arguments.facade_renderer).value_or(FacadeRenderer::kPatch);
     if (std::sscanf(arguments.size.c_str(), "%ux%u", &sweep.width, &sweep.height) != 2 || sweep.width - 1 >= 8192 ||
         sweep.height - 1 >= 8192)
         return complain(fmt::format("--size {}: give WIDTHxHEIGHT, each 1 to 8192", arguments.size));
@@ -51,10 +112,7 @@ int run(Arguments& arguments) {
     if (failed) return complain(fmt::format("{}: {}", sweep.picture_folder, failed.message()));
     if (isatty(STDERR_FILENO)) sweep.progress = [](const std::string& line) { fmt::print(stderr, "\r\033[K{}", line); };
 
-    std::vector<Setting> settings;
-    for (const double tolerance : arguments.tolerances) settings.push_back({"tolerance", tolerance});
-    for (const double budget : arguments.gpu_budgets_mib) settings.push_back({"gpu-budget", budget});
-    auto result = run_sweep(sweep, settings);
+    auto result = run_sweep(sweep, *settings);
     if (sweep.progress) fmt::print(stderr, "\r\033[K");
     if (!result) return complain(result.error().text());
     if (Status written = write_report(arguments.folder, sweep, *result); !written)
@@ -73,7 +131,9 @@ int main(int argc, char** argv) {
     CLI::App app{
         "Draws error against run time and bytes: flies PATH once per setting and compares each frame with the "
         "reference renderer.\n"
-        "Example: citystream-report city.3tz --path tour.csv --tolerances 0.5,1,2,4 -o report"};
+        "Examples: citystream-report city.3tz --path tour.csv --tolerances 0.5,1,2,4 -o report\n"
+        "          citystream-report city.3tz --path tour.csv --map-levels auto,0,1,2,3 --facade-renderers patch,fdm "
+        "--also merged-2mm=merged.3tz -o report"};
     app.set_version_flag("--version", CITYSTREAM_VERSION);
     app.add_option("city", arguments.sweep.city, "A .3tz file, an unpacked folder or a URL")->required();
     app.add_option("--path", arguments.path_file, "Camera path (CSV: t,x,y,z,yaw,pitch,fov)")->required();
@@ -84,15 +144,36 @@ int main(int argc, char** argv) {
     app.add_option("--frames", arguments.sweep.frames, "Cameras along the path")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
-    app.add_option("--tolerances", arguments.tolerances, "Screen-space tolerances in pixels")
+    app.add_option("--tolerances", arguments.tolerances,
+                   "Screen-space tolerances in pixels; without any list of settings 0.5,1,2,4,8,16")
         ->delimiter(',')
-        ->check(CLI::Range(0.01, 1000.0))
-        ->capture_default_str();
+        ->check(CLI::Range(0.01, 1000.0));
     app.add_option("--gpu-budgets", arguments.gpu_budgets_mib, "GPU budgets in MiB, flown at --tolerance")
         ->delimiter(',')
         ->check(CLI::Range(1.0, 1e6));
+    app.add_option("--relief-tolerances", arguments.relief_tolerances, "Pixels below which relief is drawn flat")
+        ->delimiter(',')
+        ->check(CLI::Range(0.01, 1000.0));
+    app.add_option("--map-levels", arguments.map_levels, "Levels of all facade maps: auto, 0 (the coarsest) to 3")
+        ->delimiter(',')
+        ->check(CLI::IsMember(map_level_names()));
+    app.add_option("--facade-renderers", arguments.facade_renderers, "Ways to ray cast relief")
+        ->delimiter(',')
+        ->check(CLI::IsMember(renderer_names()));
+    app.add_option("--also", arguments.also,
+                   "NAME=CITY: the same city built otherwise, for example with another --merge-tolerance; repeat it")
+        ->allow_extra_args(false);
     app.add_option("--tolerance", arguments.sweep.tolerance_pixels, "Tolerance of the other knobs' settings")
         ->check(CLI::Range(0.01, 1000.0))
+        ->capture_default_str();
+    app.add_option("--relief-tolerance", arguments.relief_tolerance,
+                   "Relief tolerance of the other knobs' settings (default: their tolerance)")
+        ->check(CLI::Range(0.01, 1000.0));
+    app.add_option("--map-level", arguments.map_level, "Map level of the other knobs' settings")
+        ->check(CLI::IsMember(map_level_names()))
+        ->capture_default_str();
+    app.add_option("--facade-renderer", arguments.facade_renderer, "Facade renderer of the other knobs' settings")
+        ->check(CLI::IsMember(renderer_names()))
         ->capture_default_str();
     app.add_option("--supersample", arguments.sweep.supersample, "Samples a pixel in x and in y")
         ->check(CLI::Range(1, 2))

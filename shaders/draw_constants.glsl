@@ -4,7 +4,10 @@
 
 #include "client/render/draw_layout.h"
 
-layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer FacadeMapTable { FacadeMapEntry entry[]; };
+layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer FacadeMapTable {
+    FacadeTableHead head;
+    FacadeMapEntry entry[];
+};
 
 layout(push_constant) uniform Constants { DrawConstants constants; };
 

@@ -1,5 +1,9 @@
 #version 460
-// Facade pass: one box a placement, around all its relief can reach. Finds the placement's map by its dictionary index.
+// Facade pass: the quads by which rays come into a placement's volume (the paper's section 4.2): one on top at the greatest displacement and,
+// where relief stands out, at the sides; of the six faces those that the camera sees, at most one an axis. Where the camera is in the volume, or
+// so near that the near plane could cut a quad, one quad over the whole picture at the near plane takes their place: each pixel's ray then starts
+// inside. Whatever is hit lies behind the quad, so depth is conservative (facade.frag.glsl). Finds the placement's map by its dictionary index
+// and leaves out maps in forms that FACADE_RENDERER does not draw.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
@@ -7,68 +11,80 @@
 #include "shaders/draw_constants.glsl"
 #include "shaders/facade_cast.glsl"
 #include "shaders/facade_margin.glsl"
+#include "shaders/facade_placement.glsl"
 
 layout(location = 0) out vec3 place;                 // facade space
 layout(location = 1) flat out vec3 camera;           // facade space
 layout(location = 2) flat out uvec2 map_layer;
-layout(location = 3) flat out uvec4 map_words;       // cells, size, labels, offsets
-layout(location = 4) flat out uvec2 data_words;      // cell data of the map; palette of the facade layer
-layout(location = 5) flat out vec2 depths;
-layout(location = 6) flat out vec2 along_direction;
-
-uvec2 find_map(uint map) {
-    FacadeMapTable table = FacadeMapTable(layer_reference(constants.tile.facade_maps));
-    uint low = 0u;
-    uint high = constants.tile.facade_map_count;
-    while (low < high) {
-        uint middle = (low + high) >> 1;
-        if (table.entry[middle].map < map) low = middle + 1u;
-        else high = middle;
-    }
-    if (low == constants.tile.facade_map_count || table.entry[low].map != map) return uvec2(0u);
-    return layer_reference(table.entry[low].layer);
-}
+layout(location = 3) flat out uvec4 map_head;
+layout(location = 4) flat out uvec4 map_own;
+layout(location = 5) flat out vec2 along;            // the wall's direction
+layout(location = 6) flat out uint palette;          // word in the facade layer
 
 void hide() {
     gl_Position = vec4(0.0, 0.0, -1.0, 1.0);
     place = camera = vec3(0.0);
-    map_layer = data_words = uvec2(0u);
-    map_words = uvec4(0u);
-    depths = along_direction = vec2(0.0);
+    along = vec2(0.0);
+    palette = 0u;
+    map_layer = uvec2(0u);
+    map_head = map_own = uvec4(0u);
+}
+
+// The point at distance 1 along the view direction that is seen at a place of the picture (-1..1), from the camera, metres.
+vec3 unproject(vec2 at) {
+    vec3 x = vec3_of(constants.frame.clip_x);
+    vec3 y = vec3_of(constants.frame.clip_y);
+    vec3 w = vec3_of(constants.frame.clip_w);
+    return w / dot(w, w) + x * (at.x / dot(x, x)) + y * (at.y / dot(y, y));
 }
 
 void main() {
-    uvec2 facade = layer_reference(constants.tile.facade);
-    uint at = layer_word(facade, FACADE_LAYER_WORD_PLACEMENTS) + uint(gl_InstanceIndex) * FACADE_PLACEMENT_WORDS;
-    ivec2 along = ivec2(layer_word(facade, at + FACADE_PLACEMENT_ALONG_X), layer_word(facade, at + FACADE_PLACEMENT_ALONG_Y));
-    float height = float(layer_word(facade, at + FACADE_PLACEMENT_HEIGHT)) * kMetresPerGridUnit;
-    uvec2 layer = find_map(layer_word(facade, at + FACADE_PLACEMENT_MAP));
-    if (layer == uvec2(0u) || along == ivec2(0) || height == 0.0) {
+    FacadePlacement placement = facade_placement(uint(gl_InstanceIndex));
+    if (!placement.visible) {
         hide();
         return;
     }
-    FacadeMap map = facade_map(layer);
-    map_layer = layer;
-    map_words = uvec4(map.cells, map.size, map.labels, map.offsets);
-    data_words = uvec2(map.cell_data, layer_word(facade, FACADE_LAYER_WORD_PALETTES) +
-                                          layer_word(facade, at + FACADE_PLACEMENT_PALETTE) * FACADE_PALETTE_WORDS);
-    depths = map.depths;
+    FacadeMap map = facade_map(placement.layer);
+    if (!facade_form_is_known(map)) {
+        hide();
+        return;
+    }
+    WallFrame wall = wall_frame(placement, map);
+    camera = wall_direction(wall, -wall.corner);
+    map_layer = placement.layer;
+    map_head = map.head;
+    map_own = map.own;
+    along = wall.along;
+    palette = placement.palette;
 
-    vec2 along_metres = vec2(along) * kMetresPerGridUnit;
-    float width = length(along_metres);
-    along_direction = along_metres / width;
-    vec2 outwards = vec2(along_direction.y, -along_direction.x);
-    vec2 size = vec2(map.size & 0xffffu, map.size >> 16);
-    ivec3 origin = tile_origin() +
-                   ivec3(layer_word(facade, at + FACADE_PLACEMENT_ORIGIN_X), layer_word(facade, at + FACADE_PLACEMENT_ORIGIN_Y),
-                         layer_word(facade, at + FACADE_PLACEMENT_ORIGIN_Z));
-    vec3 corner = camera_relative_metres(origin);
-    camera = vec3(-dot(corner.xy, along_direction) / width * size.x, -corner.z / height * size.y, -dot(corner.xy, outwards) * 1000.0);
+    vec3 low = vec3(vec2(-kEdgeMargin), map_depth_min(map));
+    vec3 high = vec3(wall.size + kEdgeMargin, map_depth_max(map));
+    uint axis = uint(gl_VertexIndex) >> 2;
+    bvec2 far_side = bvec2((gl_VertexIndex & 1) != 0, (gl_VertexIndex & 2) != 0);
 
-    vec3 low = vec3(vec2(-kEdgeMargin), map.depths.x - kDepthMargin);
-    vec3 high = vec3(size + kEdgeMargin, map.depths.y + kDepthMargin);
-    place = vec3((gl_VertexIndex & 1) != 0 ? high.x : low.x, (gl_VertexIndex & 2) != 0 ? high.y : low.y,
-                 (gl_VertexIndex & 4) != 0 ? high.z : low.z);
-    vec3 metres = corner + vec3(along_metres * (place.x / size.x) + outwards * (place.z * 0.001), height * (place.y / size.y));
-    gl_Position = project(metres);
+    vec3 reach = abs(wall.per_metre) * (near_reach() * 1.01);
+    bool inside = all(greaterThanEqual(camera, low - reach)) && all(lessThanEqual(camera, high + reach));
+    if (inside) {
+        if (axis != 2u) {
+            hide();
+            return;
+        }
+        vec2 at = vec2(far_side.x ? 1.0 : -1.0, far_side.y ? 1.0 : -1.0);
+        place = camera + wall_direction(wall, unproject(at));
+        gl_Position = vec4(at, 1.0, 1.0);
+        return;
+    }
+    bool is_low = camera[axis] < low[axis];
+    bool is_seen = is_low || camera[axis] > high[axis];
+    // A flat map has no sides.
+    if (!is_seen || (axis != 2u && low.z == high.z)) {
+        hide();
+        return;
+    }
+    uint across = axis == 0u ? 1u : 0u;
+    uint up = axis == 2u ? 1u : 2u;
+    place[axis] = is_low ? low[axis] : high[axis];
+    place[across] = far_side.x ? high[across] : low[across];
+    place[up] = far_side.y ? high[up] : low[up];
+    gl_Position = project(wall_metres(wall, place));
 }

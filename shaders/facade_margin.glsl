@@ -4,7 +4,5 @@
 
 // Texels (1 mm): facades that meet at a building's corner overlap by it, so that rounding leaves no gap between them.
 const float kEdgeMargin = 0.1;
-// Millimetres: a flat map's box has a volume, and no ray ends inside the map's.
-const float kDepthMargin = 5.0;
 
 #endif

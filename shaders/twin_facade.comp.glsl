@@ -1,5 +1,5 @@
 #version 460
-// Twin of cast_facade_ray: casts rays against a facade map.
+// Twin of cast_facade_ray: casts rays against a facade map. Compiled for each facade renderer.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require

@@ -39,6 +39,9 @@ struct Arguments {
     uint32_t jobs = 0;
     city::GeneratorOptions generator;
     std::string origin = "0,0";
+    std::optional<uint64_t> dress_seed;
+    bool no_extract_relief = false;
+    uint32_t merge_tolerance_mm = 0;
     bool json = false;
 };
 
@@ -146,6 +149,56 @@ void print_defects(const city::CityReport& report) {
                report.defect_count > kDefectsShown ? " (all of them: --report FILE.json)" : "");
 }
 
+/// Facades that were added or found, as JSON; empty where there was nothing to do.
+nlohmann::json facade_work_json(const layers::BuildSummary& summary) {
+    nlohmann::json out = nlohmann::json::object();
+    if (summary.dressing) {
+        const layers::DressReport& r = *summary.dressing;
+        out["dressing"] = {{"buildings", r.buildings},
+                           {"dressed_buildings", r.dressed_buildings},
+                           {"facades", r.facades},
+                           {"facade_area", r.facade_area},
+                           {"wall_area", r.wall_area},
+                           {"walls", r.walls},
+                           {"walls_small", r.walls_small},
+                           {"walls_curved", r.walls_curved},
+                           {"walls_shared", r.walls_shared},
+                           {"walls_degenerate", r.walls_degenerate},
+                           {"pictures_covered", r.pictures_covered},
+                           {"maps", r.maps}};
+    }
+    if (summary.relief) {
+        const layers::ReliefExtractionReport& r = *summary.relief;
+        out["relief"] = {{"buildings", r.buildings},
+                         {"buildings_with_relief", r.buildings_with_relief},
+                         {"candidate_planes", r.candidate_planes},
+                         {"facades", r.facades},
+                         {"facade_area", r.facade_area},
+                         {"triangles_before", r.triangles_before},
+                         {"triangles_after", r.triangles_after},
+                         {"triangles_hidden", r.triangles_hidden},
+                         {"materials_merged", r.materials_merged},
+                         {"textures_flattened", r.textures_flattened},
+                         {"largest_error_metres", r.largest_error},
+                         {"mean_error_metres", r.mean_error}};
+    }
+    return out;
+}
+
+void print_facade_work(const layers::BuildSummary& summary) {
+    if (summary.dressing) {
+        const layers::DressReport& r = *summary.dressing;
+        fmt::print("  dressed  {:>12} facades (made up) on {} of {} buildings, {:.0f} % of the area of their walls\n",
+                   r.facades, r.dressed_buildings, r.buildings,
+                   r.wall_area > 0 ? 100 * r.facade_area / r.wall_area : 0.0);
+    }
+    if (summary.relief && summary.relief->facades > 0) {
+        const layers::ReliefExtractionReport& r = *summary.relief;
+        fmt::print("  relief   {:>12} facades of {} buildings; {} of their {} triangles stay; error {:.3f} m at most\n",
+                   r.facades, r.buildings_with_relief, r.triangles_after, r.triangles_before, r.largest_error);
+    }
+}
+
 void print_summary(const layers::BuildSummary& summary, const Arguments& arguments) {
     const tileset::Manifest& m = summary.manifest;
     if (arguments.json) {
@@ -156,6 +209,7 @@ void print_summary(const layers::BuildSummary& summary, const Arguments& argumen
         out["peak_memory_bytes"] = summary.peak_memory_bytes;
         out["defect_count"] = summary.report.defect_count;
         out["dropped_features"] = summary.report.dropped_features.size();
+        out.update(facade_work_json(summary));
         fmt::print("{}\n", out.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
         return;
     }
@@ -166,6 +220,7 @@ void print_summary(const layers::BuildSummary& summary, const Arguments& argumen
         fmt::print("  {:<8} {:>12} bytes on the wire, {:>12} decoded\n", tileset::kLayerNames[layer],
                    m.wire_bytes[layer], m.decoded_bytes[layer]);
     }
+    print_facade_work(summary);
     fmt::print("  archive  {:>12} bytes; {:.1f} s; peak memory {} MiB\n", summary.archive_bytes, summary.seconds,
                summary.peak_memory_bytes >> 20);
     if (summary.report.defect_count == 0) fmt::print("  nothing was skipped\n");
@@ -193,8 +248,13 @@ int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
     options.jobs = arguments.jobs;
     options.memory_limit = *memory;
     options.auto_ground = arguments.ground == "auto";
-    options.description = fmt::format("layers={}{} ground={}", arguments.layers,
-                                      arguments.lod.empty() ? "" : " lod=" + arguments.lod, arguments.ground);
+    options.dress_seed = arguments.dress_seed;
+    options.extract_relief = !arguments.no_extract_relief;
+    options.merge_tolerance_mm = arguments.merge_tolerance_mm;
+    options.description = fmt::format(
+        "layers={}{} ground={}{}{}", arguments.layers, arguments.lod.empty() ? "" : " lod=" + arguments.lod,
+        arguments.ground, arguments.dress_seed ? fmt::format(" dress={}", *arguments.dress_seed) : std::string(),
+        arguments.no_extract_relief ? " extract-relief=no" : "");
     options.cancel = &interrupted;
     options.progress = [&bar](std::string_view stage, uint64_t done, uint64_t total) { bar.show(stage, done, total); };
     const layers::CitySource source = [&](city::CityHeader& header, city::CityCatalog& catalog,
@@ -267,6 +327,14 @@ void add_build_options(CLI::App& app, Arguments& arguments) {
     app.add_option("--ground", arguments.ground, "auto: a flat ground where the input has none")
         ->check(CLI::IsMember({"auto", "none"}))
         ->capture_default_str();
+    app.add_option("--dress", arguments.dress_seed,
+                   "put made-up facades on plain walls of buildings, from this seed (says so in the archive)");
+    app.add_flag("--no-extract-relief", arguments.no_extract_relief,
+                 "keep windows, doors and balconies of detailed walls as triangles");
+    app.add_option("--merge-tolerance", arguments.merge_tolerance_mm,
+                   "facade maps whose displacements differ by at most this many millimetres become one")
+        ->check(CLI::Range(0, 1000))
+        ->capture_default_str();
     app.add_flag("--json", arguments.json, "print the summary as JSON");
 }
 
@@ -285,6 +353,7 @@ int main(int argc, char** argv) {
         "  citystream-build city.city.jsonl -o city.3tz\n"
         "  citystream-build tiles/*.gml -o city.3tz --reference city.glb --report skipped.json\n"
         "  citystream-build generate --buildings 1000 --seed 1 -o city.3tz\n"
+        "  citystream-build plain.city.jsonl --dress 1 -o city.3tz\n"
         "  citystream-build info city.3tz --json\n"
         "  citystream-build verify city.3tz");
     app.add_option("INPUT", arguments.inputs, "city models; several make one city");

@@ -14,9 +14,9 @@ uint32_t child_number(TileAddress address) {
 
 }  // namespace
 
-DirectoryCache::DirectoryCache(tiles::tileset::Manifest manifest, std::shared_ptr<SubtreePool> pool)
+DirectoryCache::DirectoryCache(tiles::tileset::Manifest manifest, std::shared_ptr<DirectoryPool> pool)
     : manifest_(std::move(manifest)),
-      pool_(pool ? std::move(pool) : std::make_shared<SubtreePool>()),
+      pool_(pool ? std::move(pool) : std::make_shared<DirectoryPool>()),
       origin_{to_metres(manifest_.origin.x), to_metres(manifest_.origin.y)} {}
 
 DirectoryCache::Place DirectoryCache::place_of(TileAddress subtree_root) const {
@@ -43,7 +43,7 @@ Status DirectoryCache::add_subtree(std::span<const std::byte> bytes, TileAddress
     const Place place = place_of(root);
     const bool is_first = nodes_.empty() && root == TileAddress{};
     if (place.parent == kNoNode && !is_first) return Error{"a subtree that no tile asked for"};
-    auto parsed = pool_->parse(bytes, root, manifest_);
+    auto parsed = pool_->subtree(bytes, root, manifest_);
     if (!parsed) return parsed.error();
     const std::shared_ptr<const Subtree> subtree = *parsed;
     if (subtree->tiles.empty() || subtree->tiles.front().address != root) {

@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "client/cache/subtree_pool.h"
+#include "client/cache/directory_pool.h"
 #include "tiles/tileset/directory.h"
 
 namespace citystream::client {
@@ -33,7 +33,7 @@ struct DirectoryNode {
 /// Grows, never shrinks. Node 0 is the root once the root subtree has been added; indices stay valid.
 class DirectoryCache {
   public:
-    DirectoryCache(tiles::tileset::Manifest manifest, std::shared_ptr<SubtreePool> pool);
+    DirectoryCache(tiles::tileset::Manifest manifest, std::shared_ptr<DirectoryPool> pool);
 
     /// Parses and links a subtree. Error: bytes are no subtree, it has no root tile, or its parent is unknown.
     Status add_subtree(std::span<const std::byte> bytes, tiles::tileset::TileAddress root);
@@ -42,6 +42,7 @@ class DirectoryCache {
     /// Makes a broken subtree one that has not been fetched yet.
     void mend(tiles::tileset::TileAddress root);
 
+    DirectoryPool& pool() { return *pool_; }
     const tiles::tileset::Manifest& manifest() const { return manifest_; }
     const std::vector<DirectoryNode>& nodes() const { return nodes_; }
     const DirectoryNode& node(NodeIndex index) const { return nodes_[index]; }
@@ -57,7 +58,7 @@ class DirectoryCache {
     Place place_of(tiles::tileset::TileAddress subtree_root) const;
 
     tiles::tileset::Manifest manifest_;
-    std::shared_ptr<SubtreePool> pool_;
+    std::shared_ptr<DirectoryPool> pool_;
     std::array<double, 2> origin_{};
     std::vector<std::shared_ptr<const tiles::tileset::Subtree>> subtrees_;
     std::vector<DirectoryNode> nodes_;

@@ -1,8 +1,18 @@
 #include "client/cache/layer_cache.h"
 
-#include <array>
-
 namespace citystream::client {
+
+namespace {
+
+bool is_map(CacheKey key) {
+    return (key & 7) == 7;
+}
+
+uint32_t map_level(CacheKey key) {
+    return level_of(piece_of(key));
+}
+
+}  // namespace
 
 LayerCache::~LayerCache() {
     for (CachedLayer* layer : store_order_) store_.destroy(layer->id);
@@ -85,6 +95,7 @@ Status LayerCache::append_piece(CachedLayer& layer, std::span<const uint32_t> wo
     if (layer.id == kNoLayer) {
         layer.id = store_.create();
         layer.in_store = store_order_.insert(store_order_.begin(), &layer);
+        if (is_map(layer.key)) ++maps_in_store_[map_level(layer.key)];
     }
     const Status appended = store_.append(layer.id, words);
     if (!appended) {
@@ -118,6 +129,7 @@ void LayerCache::drop_store(CachedLayer& layer) {
     if (layer.id == kNoLayer) return;
     store_.destroy(layer.id);
     store_order_.erase(layer.in_store);
+    if (is_map(layer.key)) --maps_in_store_[map_level(layer.key)];
     slots_used_ -= store_.slots_for(layer.store_bytes);
     layer.id = kNoLayer;
     layer.store_steps = 0;

@@ -1,6 +1,7 @@
 // What is on the GPU and which wire bytes are in host memory, layer by layer; least recently needed goes first.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <list>
@@ -11,16 +12,20 @@
 #include "client/cache/directory_cache.h"
 #include "client/cache/host_memory.h"
 #include "client/cache/layer_store.h"
+#include "client/select/facade_dictionary.h"
 
 namespace citystream::client {
 
-/// Names a layer of a tile or a facade map.
+/// Names a layer of a tile or a level of a facade map.
 using CacheKey = uint64_t;
 constexpr CacheKey layer_key(NodeIndex node, tiles::tileset::Layer layer) {
     return static_cast<CacheKey>(node) << 3 | static_cast<CacheKey>(layer);
 }
-constexpr CacheKey map_key(uint32_t map) {
-    return static_cast<CacheKey>(map) << 3 | 7;
+constexpr CacheKey map_key(MapPiece piece) {
+    return static_cast<CacheKey>(piece) << 3 | 7;
+}
+constexpr MapPiece piece_of(CacheKey map_key) {
+    return static_cast<MapPiece>(map_key >> 3);
 }
 
 /// A layer's resident prefixes: `wire_steps` steps as received, `store_steps` steps decoded in the store. Either may be
@@ -79,6 +84,8 @@ class LayerCache {
     void drop_store(CachedLayer& layer);
 
     uint64_t slots_used() const { return slots_used_; }
+    /// Facade maps in the store, by level.
+    const std::array<uint64_t, codec::facade::kMostFacadeLevels>& maps_in_store() const { return maps_in_store_; }
     uint64_t slot_count() const { return store_.slot_count(); }
     uint64_t slots_for(uint64_t bytes) const { return store_.slots_for(bytes); }
 
@@ -90,6 +97,7 @@ class LayerCache {
     std::unordered_map<CacheKey, CachedLayer> layers_;
     std::list<CachedLayer*> store_order_, wire_order_;  ///< most recently needed first
     uint64_t slots_used_ = 0;
+    std::array<uint64_t, codec::facade::kMostFacadeLevels> maps_in_store_{};
     uint64_t selection_ = 1, update_ = 1;
 };
 

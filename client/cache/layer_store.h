@@ -12,6 +12,10 @@ namespace citystream::client {
 using LayerId = uint32_t;
 inline constexpr LayerId kNoLayer = ~LayerId{0};
 
+/// Bytes of a slot in every store of this client. Small, as most facade maps take less: a dictionary of thousands of
+/// maps must not cost a multiple of itself.
+inline constexpr uint64_t kSlotBytes = 1 << 10;
+
 /// A store of append-only word arrays in fixed-size slots under a hard budget. Implemented by the Vulkan renderer and,
 /// for tests and load clients, in host memory.
 class LayerStore {

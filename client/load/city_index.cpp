@@ -56,9 +56,9 @@ void CityIndex::learn(const std::string& path, std::span<const std::byte> bytes)
     } else if (subtree) {
         learn_subtree(*subtree, bytes);
     } else {
-        const auto maps = tiles::tileset::parse_facade_index(bytes, *manifest_);
+        auto maps = tiles::tileset::parse_facade_index(bytes, *manifest_);
         if (!maps) return;
-        for (const auto& map : *maps) map_ends_.push_back(map.end);
+        dictionary_.learn(std::move(*maps));
     }
     known_paths_.insert(path);
 }
@@ -84,10 +84,9 @@ const TileRecord* CityIndex::find(const TileDraw& draw) const {
     return best;
 }
 
-uint64_t CityIndex::map_bytes(uint32_t map) const {
+uint64_t CityIndex::map_bytes(MapPiece piece) const {
     const std::shared_lock lock(mutex_);
-    if (map >= map_ends_.size()) return 0;
-    return map_ends_[map] - (map == 0 ? 0 : map_ends_[map - 1]);
+    return map_of(piece) < dictionary_.size() ? dictionary_.wire_bytes(piece) : 0;
 }
 
 }  // namespace citystream::client

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "client/render/frame.h"
+#include "client/select/facade_dictionary.h"
 #include "tiles/tileset/directory.h"
 #include "tiles/tileset/subtree.h"
 
@@ -33,8 +34,8 @@ class CityIndex {
     /// The record of the tile that is drawn, or null. A draw names no address, so it is found by its origin and the
     /// words of its mesh steps.
     const tiles::tileset::TileRecord* find(const TileDraw& draw) const;
-    /// Wire bytes of a facade map; 0 when the facade index is not known.
-    uint64_t map_bytes(uint32_t map) const;
+    /// Wire bytes of a level of a facade map; 0 when the facade index is not known.
+    uint64_t map_bytes(MapPiece piece) const;
 
   private:
     using Origin = std::tuple<int64_t, int64_t, int64_t>;
@@ -45,7 +46,7 @@ class CityIndex {
     std::optional<tiles::tileset::Manifest> manifest_;
     std::list<tiles::tileset::Subtree> subtrees_;
     std::map<Origin, std::vector<const tiles::tileset::TileRecord*>> by_origin_;
-    std::vector<uint64_t> map_ends_;
+    FacadeDictionary dictionary_;
 };
 
 }  // namespace citystream::client

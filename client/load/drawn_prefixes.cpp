@@ -1,5 +1,7 @@
 #include "client/load/drawn_prefixes.h"
 
+#include <algorithm>
+
 namespace citystream::client {
 
 using tiles::tileset::Layer;
@@ -30,9 +32,20 @@ void DrawnPrefixes::credit_draw(const TileDraw& draw, Shown& shown) {
     if (draw.facade == kNoLayer) return;
     shown.facade = draw.facade;
     credit(*shown.record, Layer::kFacade, store_.bytes_of(draw.facade));
+    shown.maps.clear();
     for (const FacadeMapBinding& binding : draw.facade_maps) {
-        if (maps_.insert(binding.map).second) bytes_ += index_.map_bytes(binding.map);
+        shown.maps.push_back(binding.layer);
+        const MapPiece piece = map_piece(binding.map, binding.level);
+        if (pieces_.insert(piece).second) bytes_ += index_.map_bytes(piece);
     }
+}
+
+bool DrawnPrefixes::has_grown(const TileDraw& draw, const Shown& shown) const {
+    const bool same_atlas = draw.atlas == kNoLayer || shown.atlas_bytes == store_.bytes_of(draw.atlas);
+    if (shown.mesh_steps != draw.mesh_step_words.size() || shown.facade != draw.facade || !same_atlas) return true;
+    return draw.facade != kNoLayer &&
+           !std::equal(draw.facade_maps.begin(), draw.facade_maps.end(), shown.maps.begin(), shown.maps.end(),
+                       [](const FacadeMapBinding& binding, LayerId layer) { return binding.layer == layer; });
 }
 
 void DrawnPrefixes::note(const std::vector<TileDraw>& draws,
@@ -43,9 +56,7 @@ void DrawnPrefixes::note(const std::vector<TileDraw>& draws,
         Shown& shown = place->second;
         if (shown.record == nullptr) shown.record = index_.find(draw);
         if (shown.record == nullptr) continue;
-        const bool grown = shown.mesh_steps != draw.mesh_step_words.size() || shown.facade != draw.facade ||
-                           (draw.atlas != kNoLayer && shown.atlas_bytes != store_.bytes_of(draw.atlas));
-        if (grown) credit_draw(draw, shown);
+        if (has_grown(draw, shown)) credit_draw(draw, shown);
         on_tile(shown.record->address, appeared);
     }
 }

@@ -25,7 +25,7 @@ class DrawnPrefixes {
     void note(const std::vector<TileDraw>& draws,
               const std::function<void(tiles::tileset::TileAddress, bool appeared)>& on_tile);
 
-    /// Sum over all layers of the longest prefix ever drawn, and of all facade maps ever drawn.
+    /// Sum over all layers of the longest prefix ever drawn, and of all levels of facade maps ever drawn.
     uint64_t bytes() const { return bytes_; }
 
   private:
@@ -34,15 +34,17 @@ class DrawnPrefixes {
         size_t mesh_steps = 0;
         uint64_t atlas_bytes = 0;
         LayerId facade = kNoLayer;
+        std::vector<LayerId> maps;  ///< as bound last
     };
     void credit(const tiles::tileset::TileRecord& record, tiles::tileset::Layer layer, uint64_t decoded_bytes);
     void credit_draw(const TileDraw& draw, Shown& shown);
+    bool has_grown(const TileDraw& draw, const Shown& shown) const;
 
     const CityIndex& index_;
     const HostLayerStore& store_;
     std::unordered_map<LayerId, Shown> shown_;  ///< by mesh
     std::map<tiles::tileset::TileAddress, std::array<uint64_t, tiles::tileset::kLayerCount>> credited_;
-    std::set<uint32_t> maps_;
+    std::set<MapPiece> pieces_;
     uint64_t bytes_ = 0;
 };
 

@@ -7,7 +7,6 @@ namespace citystream::client {
 namespace {
 
 /// Slots as the Vulkan renderer cuts them, so that budgets hold as much as there.
-constexpr uint64_t kSlotBytes = 16 << 10;
 constexpr size_t kMostWarnings = 20;
 
 LoadClock::duration seconds(double value) {

@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "client/cache/subtree_pool.h"
+#include "client/cache/directory_pool.h"
 
 namespace citystream::client {
 namespace {
@@ -37,7 +37,7 @@ LoadOptions completed(LoadOptions options) {
     streamer.decode = false;
     streamer.wait_for_selection = false;
     streamer.max_requests_in_flight = kMostRequestsInFlight;
-    streamer.subtrees = std::make_shared<SubtreePool>();
+    streamer.directory_pool = std::make_shared<DirectoryPool>();
     options.client.fetcher.network = std::make_shared<NetworkThreads>(driving_threads(options));
     return options;
 }

@@ -183,6 +183,25 @@ std::string describe_device(VkPhysicalDevice physical) {
     return std::string(plain.deviceName) + ", " + driver.driverName + " " + driver.driverInfo;
 }
 
+namespace {
+
+bool has_fragment_atomics64(VkPhysicalDevice physical) {
+    auto features12 =
+        vk_struct<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
+    VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
+    vkGetPhysicalDeviceFeatures2(physical, &features);
+    return features12.shaderBufferInt64Atomics == VK_TRUE && features.features.shaderInt64 == VK_TRUE &&
+           features.features.fragmentStoresAndAtomics == VK_TRUE;
+}
+
+bool is_cpu(VkPhysicalDevice physical) {
+    VkPhysicalDeviceProperties properties{};
+    vkGetPhysicalDeviceProperties(physical, &properties);
+    return properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+}
+
+}  // namespace
+
 Device create_device(VkPhysicalDevice physical) {
     const std::string reason = unusable_reason(physical);
     if (!reason.empty()) throw VulkanError(describe_device(physical) + " cannot be used: " + reason);
@@ -201,7 +220,14 @@ Device create_device(VkPhysicalDevice physical) {
     auto features12 =
         vk_struct<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
     features12.bufferDeviceAddress = VK_TRUE;
-    auto info = vk_struct<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features12);
+    VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
+    device.is_cpu = is_cpu(physical);
+    device.has_fragment_atomics64 = has_fragment_atomics64(physical);
+    if (device.has_fragment_atomics64) {
+        features12.shaderBufferInt64Atomics = VK_TRUE;
+        features.features.shaderInt64 = features.features.fragmentStoresAndAtomics = VK_TRUE;
+    }
+    auto info = vk_struct<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features);
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
     vk_check(vkCreateDevice(physical, &info, nullptr, &device.handle), "vkCreateDevice");

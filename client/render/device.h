@@ -54,8 +54,10 @@ struct Device {
     VkCommandPool command_pool = VK_NULL_HANDLE;
     VkFence fence = VK_NULL_HANDLE;
     VkPhysicalDeviceMemoryProperties memory{};
-    double timestamp_nanoseconds = 0;  ///< of one tick; 0: the queue has no timestamps
-    std::string name;                  ///< with driver name and version
+    bool is_cpu = false;                  ///< a software driver
+    bool has_fragment_atomics64 = false;  ///< on buffers
+    double timestamp_nanoseconds = 0;     ///< of one tick; 0: the queue has no timestamps
+    std::string name;                     ///< with driver name and version
 };
 
 /// Why a physical device cannot be used by this renderer; empty when it can (Vulkan 1.2, buffer device address,

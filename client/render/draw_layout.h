@@ -9,7 +9,7 @@ namespace citystream::client {
 using uint = uint32_t;
 #endif
 
-#define SLOT_WORDS_LOG2 12 /* 16 KiB slots */
+#define SLOT_WORDS_LOG2 8 /* 1 KiB slots */
 /* Low bit of a layer reference: set, the rest is the address of the layer's first word and all its words follow;
    clear, it is the address of a page table (one 64-bit slot address every 2^SLOT_WORDS_LOG2 words). */
 #define LAYER_REF_DIRECT 1u
@@ -31,7 +31,7 @@ struct TileConstants {
     uint mesh[2];
     uint atlas[2];
     uint facade[2];
-    uint facade_maps[2]; /* address of FacadeMapEntry[facade_map_count], sorted by map */
+    uint facade_maps[2]; /* address of FacadeTableHead, FacadeMapEntry[facade_map_count] sorted by map */
     uint facade_map_count;
     int origin[3]; /* grid units from the camera's grid cell to the tile's origin */
     uint atlas_finest_mip;
@@ -39,9 +39,15 @@ struct TileConstants {
     uint mesh_step_begin[DRAW_MESH_STEPS]; /* words */
 };
 
+struct FacadeTableHead {
+    uint keys[2]; /* address of one 64-bit key a sample of the picture: depth (float bits) << 32 | RGBA8 */
+    uint width;   /* samples */
+    uint reserved;
+};
+
 struct FacadeMapEntry {
     uint map;
-    uint reserved;
+    uint is_opaque;
     uint layer[2];
 };
 
@@ -63,7 +69,8 @@ struct FilterConstants {
 
 #ifdef __cplusplus
 static_assert(sizeof(FrameConstants) == 52 && sizeof(TileConstants) == 72);
-static_assert(sizeof(FacadeMapEntry) == 16 && sizeof(DrawConstants) == 124 && sizeof(FilterConstants) == 32);
+static_assert(sizeof(FacadeTableHead) == 16 && sizeof(FacadeMapEntry) == 16 && sizeof(DrawConstants) == 124 &&
+              sizeof(FilterConstants) == 32);
 }  // namespace citystream::client
 #endif
 

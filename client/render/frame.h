@@ -15,6 +15,7 @@ namespace citystream::client {
 struct FacadeMapBinding {
     uint32_t map = 0;
     LayerId layer = kNoLayer;
+    uint32_t level = 0;  ///< of the map, 0 the coarsest
 };
 
 /// One tile to draw, with the prefixes that are resident.

@@ -48,8 +48,8 @@ FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell
 uint64_t FrameTables::bound(const SlotPool& pool, std::span<const TileDraw> tiles) {
     uint64_t maps = 0;
     for (const TileDraw& tile : tiles) maps += tile.facade_maps.size();
-    const uint64_t map_words = sizeof(FacadeMapEntry) / 4;
-    return tiles.size() * 2 + maps * map_words + pool.slots_used * 2 + pool.layers.size() * 2;
+    const uint64_t map_words = sizeof(FacadeMapEntry) / 4, head_words = sizeof(FacadeTableHead) / 4;
+    return tiles.size() * (2 + head_words) + maps * map_words + pool.slots_used * 2 + pool.layers.size() * 2;
 }
 
 VkDeviceAddress FrameTables::append(const void* table, size_t bytes) {
@@ -88,10 +88,13 @@ Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCe
     if (Status status = refer(tile.facade, constants.facade); !status) return status.error();
     std::vector<FacadeMapEntry> maps(tile.facade == kNoLayer ? 0 : tile.facade_maps.size());
     for (size_t i = 0; i < maps.size(); ++i) {
+        const LayerId layer = tile.facade_maps[i].layer;
         maps[i].map = tile.facade_maps[i].map;
-        if (Status status = refer(tile.facade_maps[i].layer, maps[i].layer); !status) return status.error();
+        maps[i].is_opaque = layer < facts_.size() && facts_[layer].is_opaque ? 1 : 0;
+        if (Status status = refer(layer, maps[i].layer); !status) return status.error();
     }
-    split_address(append(maps.data(), maps.size() * sizeof(FacadeMapEntry)), constants.facade_maps);
+    split_address(append(&head_, sizeof head_), constants.facade_maps);
+    append(maps.data(), maps.size() * sizeof(FacadeMapEntry));
     constants.facade_map_count = static_cast<uint32_t>(maps.size());
     constants.atlas_finest_mip = tile.atlas_finest_mip;
     for (size_t i = 0; i < 3; ++i) {

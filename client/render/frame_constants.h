@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/render/draw_layout.h"
+#include "client/render/facade_map_facts.h"
 #include "client/render/frame.h"
 #include "client/render/slot_pool.h"
 #include "client/select/camera.h"
@@ -27,7 +28,10 @@ FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell
 /// Makes the constants of tiles and, as words to be copied to device address `base`, the tables they refer to.
 class FrameTables {
   public:
-    FrameTables(const SlotPool& pool, VkDeviceAddress base) : pool_(pool), base_(base) {}
+    /// `facts`: by layer. `head`: goes before every tile's map table.
+    FrameTables(const SlotPool& pool, VkDeviceAddress base, std::span<const FacadeMapFacts> facts,
+                const FacadeTableHead& head)
+        : pool_(pool), base_(base), facts_(facts), head_(head) {}
 
     /// Fails when a layer that the tile names does not live, or when the tile is too far away for 32-bit grid units
     /// (1,000 km).
@@ -43,6 +47,8 @@ class FrameTables {
 
     const SlotPool& pool_;
     VkDeviceAddress base_;
+    std::span<const FacadeMapFacts> facts_;
+    FacadeTableHead head_;
     std::vector<uint32_t> words_;
     std::unordered_map<LayerId, VkDeviceAddress> references_;
 };

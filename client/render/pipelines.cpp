@@ -3,23 +3,15 @@
 #include <array>
 
 #include "client/render/draw_layout.h"
-#include "shaders/facade.frag.h"
-#include "shaders/facade.vert.h"
+#include "client/render/facade_shaders.h"
+#include "shaders/facade_occluder.vert.h"
+#include "shaders/facade_resolve.frag.h"
+#include "shaders/facade_resolve.vert.h"
 #include "shaders/mesh.frag.h"
 #include "shaders/mesh.vert.h"
 
 namespace citystream::client {
 namespace {
-
-// Counter-clockwise from outside: u right, v up, w outwards is a right-handed frame.
-constexpr std::array<uint16_t, 36> kBoxIndices = {
-    0, 2, 1, 1, 2, 3,  // w low
-    4, 5, 6, 5, 7, 6,  // w high
-    0, 4, 2, 2, 4, 6,  // u low
-    1, 3, 5, 3, 7, 5,  // u high
-    0, 1, 4, 1, 5, 4,  // v low
-    2, 6, 3, 3, 6, 7,  // v high
-};
 
 VkShaderModule create_module(const Device& device, std::span<const uint32_t> code) {
     auto info = vk_struct<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
@@ -48,8 +40,13 @@ VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShader
     return info;
 }
 
+// What a drawing pass writes; all test depth.
+struct Writes {
+    bool colour = true, depth = true;
+};
+
 VkPipeline create_graphics_pipeline(const Device& device, VkRenderPass pass, VkPipelineLayout layout,
-                                    std::span<const VkPipelineShaderStageCreateInfo> stages, VkCullModeFlags cull) {
+                                    std::span<const VkPipelineShaderStageCreateInfo> stages, Writes writes) {
     const auto vertex_input =
         vk_struct<VkPipelineVertexInputStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO);
     auto assembly =
@@ -59,7 +56,7 @@ VkPipeline create_graphics_pipeline(const Device& device, VkRenderPass pass, VkP
     viewport.viewportCount = viewport.scissorCount = 1;
     auto raster =
         vk_struct<VkPipelineRasterizationStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO);
-    raster.cullMode = cull;
+    raster.cullMode = VK_CULL_MODE_NONE;
     raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
     raster.lineWidth = 1.0f;
     auto samples =
@@ -67,11 +64,13 @@ VkPipeline create_graphics_pipeline(const Device& device, VkRenderPass pass, VkP
     samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
     auto depth =
         vk_struct<VkPipelineDepthStencilStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
-    depth.depthTestEnable = depth.depthWriteEnable = VK_TRUE;
+    depth.depthTestEnable = VK_TRUE;
+    depth.depthWriteEnable = writes.depth ? VK_TRUE : VK_FALSE;
     depth.depthCompareOp = VK_COMPARE_OP_GREATER;
     VkPipelineColorBlendAttachmentState opaque{};
-    opaque.colorWriteMask =
-        VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT | VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
+    opaque.colorWriteMask = !writes.colour ? 0
+                                           : VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
+                                                 VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
     auto blend =
         vk_struct<VkPipelineColorBlendStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO);
     blend.attachmentCount = 1;
@@ -100,8 +99,10 @@ VkPipeline create_graphics_pipeline(const Device& device, VkRenderPass pass, VkP
     return pipeline;
 }
 
+// `fragment` empty: depth only.
 Pass create_drawing_pass(const Device& device, VkRenderPass render_pass, std::span<const uint32_t> vertex,
-                         std::span<const uint32_t> fragment, VkCullModeFlags cull) {
+                         std::span<const uint32_t> fragment, Writes writes = {},
+                         uint32_t constant_bytes = sizeof(DrawConstants)) {
     Pass pass;
     std::array<VkShaderModule, 2> modules{};
     const auto destroy_modules = [&] {
@@ -109,12 +110,12 @@ Pass create_drawing_pass(const Device& device, VkRenderPass render_pass, std::sp
     };
     try {
         modules[0] = create_module(device, vertex);
-        modules[1] = create_module(device, fragment);
+        if (!fragment.empty()) modules[1] = create_module(device, fragment);
         const std::array<VkPipelineShaderStageCreateInfo, 2> stages = {
             stage_info(VK_SHADER_STAGE_VERTEX_BIT, modules[0]), stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1])};
-        pass.layout =
-            create_layout(device, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, sizeof(DrawConstants));
-        pass.handle = create_graphics_pipeline(device, render_pass, pass.layout, stages, cull);
+        pass.layout = create_layout(device, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, constant_bytes);
+        pass.handle = create_graphics_pipeline(device, render_pass, pass.layout,
+                                               std::span(stages).first(fragment.empty() ? 1 : 2), writes);
     } catch (const VulkanError&) {
         destroy_modules();
         destroy_pass(device, pass);
@@ -124,18 +125,32 @@ Pass create_drawing_pass(const Device& device, VkRenderPass render_pass, std::sp
     return pass;
 }
 
+// Three quads of four vertices.
+constexpr std::array<uint16_t, kFacadeIndices> kQuadIndices = {0, 1, 2, 2, 1, 3, 4, 5, 6, 6, 5, 7, 8, 9, 10, 10, 9, 11};
+
 }  // namespace
 
-std::span<const uint16_t> box_indices() {
-    return kBoxIndices;
-}
-
 Pass create_mesh_pass(const Device& device, VkRenderPass render_pass) {
-    return create_drawing_pass(device, render_pass, k_mesh_vert, k_mesh_frag, VK_CULL_MODE_NONE);
+    return create_drawing_pass(device, render_pass, k_mesh_vert, k_mesh_frag);
 }
 
-Pass create_facade_pass(const Device& device, VkRenderPass render_pass) {
-    return create_drawing_pass(device, render_pass, k_facade_vert, k_facade_frag, VK_CULL_MODE_FRONT_BIT);
+std::span<const uint16_t> facade_indices() {
+    return kQuadIndices;
+}
+
+Pass create_facade_pass(const Device& device, VkRenderPass render_pass, uint32_t caster, bool keyed) {
+    const FacadeShaders shaders = facade_shaders(caster);
+    if (!keyed) return create_drawing_pass(device, render_pass, shaders.vertex, shaders.fragment);
+    return create_drawing_pass(device, render_pass, shaders.vertex, shaders.keyed_fragment, {false, false});
+}
+
+Pass create_facade_occluder_pass(const Device& device, VkRenderPass render_pass) {
+    return create_drawing_pass(device, render_pass, k_facade_occluder_vert, {}, {false, true});
+}
+
+Pass create_facade_resolve_pass(const Device& device, VkRenderPass render_pass) {
+    return create_drawing_pass(device, render_pass, k_facade_resolve_vert, k_facade_resolve_frag, {},
+                               sizeof(FacadeTableHead));
 }
 
 Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes) {

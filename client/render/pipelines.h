@@ -15,15 +15,18 @@ struct Pass {
 
 /// Triangles pulled from packed mesh layers; both sides are drawn. Push constants: DrawConstants.
 Pass create_mesh_pass(const Device& device, VkRenderPass pass);
-/// Boxes of facade placements, back faces, ray cast in the fragment shader, which writes depth. Push constants:
-/// DrawConstants.
-Pass create_facade_pass(const Device& device, VkRenderPass pass);
+/// Quads of facade placements (indices: facade_indices), ray cast in the fragment shader by a caster of
+/// facade_renderer_layout.h. `keyed`: the hits go to the key buffer of FacadeTableHead, depth is tested before and not
+/// written. Push constants: DrawConstants.
+Pass create_facade_pass(const Device& device, VkRenderPass pass, uint32_t caster, bool keyed);
+/// Depth of opaque placements' backs (the first kOccluderIndices indices). Push constants: DrawConstants.
+Pass create_facade_occluder_pass(const Device& device, VkRenderPass pass);
+/// One triangle that draws the key buffer. Push constants: FacadeTableHead.
+Pass create_facade_resolve_pass(const Device& device, VkRenderPass pass);
+constexpr uint32_t kFacadeIndices = 18, kOccluderIndices = 6;
+std::span<const uint16_t> facade_indices();
 /// A compute pipeline with `constant_bytes` of push constants.
 Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes);
 void destroy_pass(const Device& device, Pass& pass);
-
-/// Index list of the 36 corners of a facade box's 12 triangles over its 8 vertices (bit 0: along, bit 1: up, bit 2:
-/// outwards).
-std::span<const uint16_t> box_indices();
 
 }  // namespace citystream::client

@@ -71,26 +71,38 @@ void take_slots(SlotPool& pool, SlotLayer& layer, uint64_t count) {
     }
 }
 
-void write_staged(SlotPool& pool, uint32_t slot, uint64_t byte, std::span<const uint32_t> words) {
+void write_staged(SlotPool& pool, uint64_t chunk, uint64_t byte, std::span<const uint32_t> words) {
     if (pool.staging.handle == VK_NULL_HANDLE) {
         pool.staging = create_buffer(*pool.device, kStagingBytes, BufferPlace::kUpload);
     }
     std::memcpy(pool.staging.mapped, words.data(), words.size_bytes());
     submit_and_wait(*pool.device, [&](VkCommandBuffer commands) {
-        const VkBufferCopy copy{0, slot % kSlotsPerChunk * kSlotBytes + byte, words.size_bytes()};
-        vkCmdCopyBuffer(commands, pool.staging.handle, pool.chunks[slot / kSlotsPerChunk].handle, 1, &copy);
+        const VkBufferCopy copy{0, byte, words.size_bytes()};
+        vkCmdCopyBuffer(commands, pool.staging.handle, pool.chunks[chunk].handle, 1, &copy);
         memory_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
                        VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT);
     });
 }
 
-void write_slot(SlotPool& pool, uint32_t slot, uint64_t word, std::span<const uint32_t> words) {
+// Writes inside one chunk.
+void write_chunk(SlotPool& pool, uint64_t chunk, uint64_t byte, std::span<const uint32_t> words) {
     if (!pool.direct) {
-        write_staged(pool, slot, word * 4, words);
+        write_staged(pool, chunk, byte, words);
         return;
     }
-    auto* base = static_cast<std::byte*>(pool.chunks[slot / kSlotsPerChunk].mapped);
-    std::memcpy(base + slot % kSlotsPerChunk * kSlotBytes + word * 4, words.data(), words.size_bytes());
+    std::memcpy(static_cast<std::byte*>(pool.chunks[chunk].mapped) + byte, words.data(), words.size_bytes());
+}
+
+// Words from the layer's end to where its memory stops being in one piece.
+uint64_t words_in_one_piece(const SlotLayer& layer) {
+    uint64_t slot = layer.words / kSlotWords;
+    uint64_t words = kSlotWords - layer.words % kSlotWords;
+    while (slot + 1 < layer.slots.size() && layer.slots[slot + 1] == layer.slots[slot] + 1 &&
+           layer.slots[slot + 1] % kSlotsPerChunk != 0) {
+        words += kSlotWords;
+        ++slot;
+    }
+    return words;
 }
 
 }  // namespace
@@ -132,9 +144,10 @@ Status append_words(SlotPool& pool, LayerId id, std::span<const uint32_t> words)
     take_slots(pool, layer, needed);
     advance_hint(pool);
     while (!words.empty()) {
-        const uint64_t word = layer.words % kSlotWords;
-        const uint64_t count = std::min<uint64_t>(words.size(), kSlotWords - word);
-        write_slot(pool, layer.slots[layer.words / kSlotWords], word, words.first(count));
+        const uint32_t slot = layer.slots[layer.words / kSlotWords];
+        const uint64_t byte = slot % kSlotsPerChunk * kSlotBytes + layer.words % kSlotWords * 4;
+        const uint64_t count = std::min({words.size(), words_in_one_piece(layer), kStagingBytes / 4});
+        write_chunk(pool, slot / kSlotsPerChunk, byte, words.first(count));
         layer.words += count;
         words = words.subspan(count);
     }

@@ -1,4 +1,4 @@
-// GPU memory for layers: slots of 16 KiB cut from 4 MiB chunks, under a hard budget. A layer is a list of slots that
+// GPU memory for layers: slots of 1 KiB cut from 4 MiB chunks, under a hard budget. A layer is a list of slots that
 // only grows; a freed slot is the next one given out, so a pool never fragments. Chunks are allocated when first needed
 // and never exceed the budget in sum.
 //
@@ -15,7 +15,6 @@
 
 namespace citystream::client {
 
-constexpr uint64_t kSlotBytes = 16 << 10;
 constexpr uint64_t kChunkBytes = 4 << 20;
 constexpr uint64_t kSlotsPerChunk = kChunkBytes / kSlotBytes;
 

@@ -9,6 +9,8 @@
 
 #include "client/render/device_choice.h"
 #include "client/render/draw_layout.h"
+#include "client/render/facade_map_facts.h"
+#include "client/render/facade_renderer_layout.h"
 #include "client/render/frame_constants.h"
 #include "client/render/lighting_layout.h"
 #include "client/render/pipelines.h"
@@ -79,21 +81,26 @@ class Renderer final : public VulkanRenderer {
     uint64_t frame_buffer_bytes() const override;
     uint64_t gpu_bytes_allocated() const override { return allocated_bytes(pool_); }
     uint64_t validation_messages() const override { return instance_.messages ? instance_.messages->load() : 0; }
-    bool has_facade_pipeline() const override { return facade_.handle != VK_NULL_HANDLE; }
+    bool has_facade_pipeline() const override { return facade_indices_.handle != VK_NULL_HANDLE; }
 
   private:
     struct DrawnTile {
         const TileDraw* tile;
         TileConstants constants;
+        uint32_t casters;  ///< one bit each: those that its placements' maps need
     };
 
     void ensure_tables(uint64_t words);
-    void ensure_facade_pass();
-    void warm_up(const Pass& pass, bool boxes);
+    void ensure_facade_passes(uint32_t casters);
+    uint32_t casters_of(const TileDraw& tile) const;
+    FacadeTableHead facade_table_head() const;
+    void warm_up(const Pass& pass, uint32_t vertices);
     Status write_tables(const Camera& camera, std::span<const TileDraw> tiles);
     void record_frame(VkCommandBuffer commands);
     void record_meshes(VkCommandBuffer commands);
+    void record_occluders(VkCommandBuffer commands);
     void record_facades(VkCommandBuffer commands);
+    void record_resolve(VkCommandBuffer commands);
     void record_readback(VkCommandBuffer commands);
     void push_constants(VkCommandBuffer commands, const Pass& pass, const TileConstants& tile) const;
     void mark(VkCommandBuffer commands, Timestamp stamp) const;
@@ -106,8 +113,12 @@ class Renderer final : public VulkanRenderer {
     Device device_;
     SlotPool pool_;
     FrameTarget target_;
-    Pass mesh_, facade_, filter_;
-    Buffer box_indices_;
+    Pass mesh_, occluder_, resolve_, filter_;
+    std::array<Pass, FACADE_RENDERER_COUNT> facades_;  ///< by caster
+    Buffer facade_indices_;
+    Buffer keys_;  ///< of the keyed facade pass
+    bool keyed_facades_ = false;
+    std::vector<FacadeMapFacts> map_facts_;  ///< by layer
     Buffer tables_;
     VkQueryPool timestamps_ = VK_NULL_HANDLE;
     FrameConstants frame_{};
@@ -119,8 +130,10 @@ Renderer::~Renderer() {
         vkDeviceWaitIdle(device_.handle);
         destroy_slot_pool(pool_);
         destroy_frame_target(device_, target_);
-        for (Pass* pass : {&mesh_, &facade_, &filter_}) destroy_pass(device_, *pass);
-        destroy_buffer(device_, box_indices_);
+        for (Pass* pass : {&mesh_, &occluder_, &resolve_, &filter_}) destroy_pass(device_, *pass);
+        for (Pass& pass : facades_) destroy_pass(device_, pass);
+        destroy_buffer(device_, facade_indices_);
+        destroy_buffer(device_, keys_);
         destroy_buffer(device_, tables_);
         vkDestroyQueryPool(device_.handle, timestamps_, nullptr);
     }
@@ -139,6 +152,8 @@ Status Renderer::start() {
     const Result<VkPhysicalDevice> physical = choose_device(instance_, options_.device, egl);
     if (!physical) return physical.error();
     device_ = create_device(*physical);
+    // Software drivers test depth before a fragment shader only where that writes none.
+    keyed_facades_ = device_.has_fragment_atomics64 && options_.keyed_facades.value_or(device_.is_cpu);
     pool_ = create_slot_pool(device_, options_.gpu_budget_bytes);
     target_ = create_frame_target(device_, options_.width, options_.height, options_.supersample);
     mesh_ = create_mesh_pass(device_, target_.clear_pass);
@@ -147,17 +162,23 @@ Status Renderer::start() {
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
     queries.queryCount = kTimestampCount;
     vk_check(vkCreateQueryPool(device_.handle, &queries, nullptr, &timestamps_), "vkCreateQueryPool");
-    warm_up(mesh_, false);
+    warm_up(mesh_, 3);
     return Done{};
 }
 
 uint64_t Renderer::frame_buffer_bytes() const {
-    return memory_bytes(target_) + tables_.bytes + box_indices_.bytes;
+    return memory_bytes(target_) + tables_.bytes + facade_indices_.bytes + keys_.bytes;
 }
 
 Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
     try {
-        return append_words(pool_, layer, words);
+        const bool is_begin = is_live(pool_, layer) && pool_.layers[layer].words == 0;
+        const Status status = append_words(pool_, layer, words);
+        if (is_begin && status.ok()) {
+            map_facts_.resize(pool_.layers.size());
+            map_facts_[layer] = facade_map_facts(words);
+        }
+        return status;
     } catch (const VulkanError& error) {
         return Error{error.what()};
     }
@@ -170,18 +191,46 @@ void Renderer::ensure_tables(uint64_t words) {
     tables_ = create_buffer(device_, std::max<uint64_t>(64 << 10, bytes + bytes / 2), BufferPlace::kUpload);
 }
 
-void Renderer::ensure_facade_pass() {
-    if (facade_.handle != VK_NULL_HANDLE) return;
-    const std::span<const uint16_t> indices = box_indices();
-    box_indices_ = create_buffer(device_, indices.size_bytes(), BufferPlace::kUpload);
-    std::memcpy(box_indices_.mapped, indices.data(), indices.size_bytes());
-    facade_ = create_facade_pass(device_, target_.load_pass);
-    warm_up(facade_, true);
+uint32_t Renderer::casters_of(const TileDraw& tile) const {
+    uint32_t casters = 0;
+    if (!has_facades(tile)) return 0;
+    for (const FacadeMapBinding& map : tile.facade_maps) {
+        if (map.layer >= map_facts_.size()) continue;
+        const auto caster = caster_for(options_.facade_renderer, map_facts_[map.layer].form);
+        if (caster) casters |= 1u << *caster;
+    }
+    return casters;
+}
+
+// What the facade pass needs is made when the first tile with relief is drawn, each caster with the first map in its
+// form.
+void Renderer::ensure_facade_passes(uint32_t casters) {
+    if (facade_indices_.handle == VK_NULL_HANDLE) {
+        facade_indices_ = create_buffer(device_, facade_indices().size_bytes(), BufferPlace::kUpload);
+        std::memcpy(facade_indices_.mapped, facade_indices().data(), facade_indices().size_bytes());
+        occluder_ = create_facade_occluder_pass(device_, target_.clear_pass);
+        if (keyed_facades_) {
+            resolve_ = create_facade_resolve_pass(device_, target_.load_pass);
+            keys_ = create_buffer(device_, uint64_t{8} * target_.width * target_.height * target_.scale * target_.scale,
+                                  BufferPlace::kDevice);
+        }
+    }
+    for (uint32_t caster = 0; caster < FACADE_RENDERER_COUNT; ++caster) {
+        if ((casters >> caster & 1) == 0 || facades_[caster].handle != VK_NULL_HANDLE) continue;
+        facades_[caster] = create_facade_pass(device_, target_.load_pass, caster, keyed_facades_);
+        warm_up(facades_[caster], kFacadeIndices);
+    }
+}
+
+FacadeTableHead Renderer::facade_table_head() const {
+    FacadeTableHead head{{}, target_.width * target_.scale, 0};
+    split(keys_.address, head.keys);
+    return head;
 }
 
 // Draws one invisible primitive, so that drivers which compile at the first draw do it now and not in a measured frame.
 // All-zero words are a tile without vertices, maps or atlas: every corner falls on one point.
-void Renderer::warm_up(const Pass& pass, bool boxes) {
+void Renderer::warm_up(const Pass& pass, uint32_t vertices) {
     constexpr uint64_t kZeroWords = 1024;
     ensure_tables(kZeroWords);
     std::memset(tables_.mapped, 0, kZeroWords * 4);
@@ -194,11 +243,11 @@ void Renderer::warm_up(const Pass& pass, bool boxes) {
         begin_pass(commands, target_, target_.clear_pass, clear_.data());
         vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.handle);
         push_constants(commands, pass, tile);
-        if (boxes) {
-            vkCmdBindIndexBuffer(commands, box_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
-            vkCmdDrawIndexed(commands, 36, 1, 0, 0, 0);
+        if (vertices == kFacadeIndices) {
+            vkCmdBindIndexBuffer(commands, facade_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
+            vkCmdDrawIndexed(commands, vertices, 1, 0, 0, 0);
         } else {
-            vkCmdDraw(commands, 3, 1, 0, 0);
+            vkCmdDraw(commands, vertices, 1, 0, 0);
         }
         vkCmdEndRenderPass(commands);
     });
@@ -213,12 +262,12 @@ Status Renderer::write_tables(const Camera& camera, std::span<const TileDraw> ti
     ensure_tables(FrameTables::bound(pool_, tiles));
     const CameraCell cell = camera_cell(camera.position);
     frame_ = make_frame_constants(camera, cell);
-    FrameTables tables(pool_, tables_.address);
+    FrameTables tables(pool_, tables_.address, map_facts_, facade_table_head());
     drawn_.clear();
     for (const size_t i : front_to_back(camera, tiles)) {
         const Result<TileConstants> constants = tables.add_tile(tiles[i], cell);
         if (!constants) return constants.error();
-        drawn_.push_back({&tiles[i], *constants});
+        drawn_.push_back({&tiles[i], *constants, casters_of(tiles[i])});
     }
     if (!tables.words().empty()) std::memcpy(tables_.mapped, tables.words().data(), tables.words().size_bytes());
     return Done{};
@@ -232,7 +281,6 @@ void Renderer::mark(VkCommandBuffer commands, Timestamp stamp) const {
 }
 
 void Renderer::record_meshes(VkCommandBuffer commands) {
-    begin_pass(commands, target_, target_.clear_pass, clear_.data());
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, mesh_.handle);
     for (const DrawnTile& drawn : drawn_) {
         const TileDraw& tile = *drawn.tile;
@@ -241,19 +289,50 @@ void Renderer::record_meshes(VkCommandBuffer commands) {
         push_constants(commands, mesh_, drawn.constants);
         vkCmdDraw(commands, 3 * triangles, 1, 0, 0);
     }
-    vkCmdEndRenderPass(commands);
+}
+
+// Behind the backs of opaque facades nothing is cast.
+void Renderer::record_occluders(VkCommandBuffer commands) {
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, occluder_.handle);
+    vkCmdBindIndexBuffer(commands, facade_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
+    for (const DrawnTile& drawn : drawn_) {
+        if (drawn.casters == 0) continue;
+        push_constants(commands, occluder_, drawn.constants);
+        vkCmdDrawIndexed(commands, kOccluderIndices, drawn.tile->facade_placements, 0, 0, 0);
+    }
 }
 
 void Renderer::record_facades(VkCommandBuffer commands) {
+    if (keyed_facades_) {
+        vkCmdFillBuffer(commands, keys_.handle, 0, VK_WHOLE_SIZE, 0);
+        memory_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                       VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+    }
     barrier_between_passes(commands);
     begin_pass(commands, target_, target_.load_pass, clear_.data());
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, facade_.handle);
-    vkCmdBindIndexBuffer(commands, box_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
-    for (const DrawnTile& drawn : drawn_) {
-        if (!has_facades(*drawn.tile)) continue;
-        push_constants(commands, facade_, drawn.constants);
-        vkCmdDrawIndexed(commands, 36, drawn.tile->facade_placements, 0, 0, 0);
+    vkCmdBindIndexBuffer(commands, facade_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
+    for (uint32_t caster = 0; caster < FACADE_RENDERER_COUNT; ++caster) {
+        if (facades_[caster].handle == VK_NULL_HANDLE) continue;
+        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, facades_[caster].handle);
+        for (const DrawnTile& drawn : drawn_) {
+            if ((drawn.casters >> caster & 1) == 0) continue;
+            push_constants(commands, facades_[caster], drawn.constants);
+            vkCmdDrawIndexed(commands, kFacadeIndices, drawn.tile->facade_placements, 0, 0, 0);
+        }
     }
+    vkCmdEndRenderPass(commands);
+    if (keyed_facades_) record_resolve(commands);
+}
+
+void Renderer::record_resolve(VkCommandBuffer commands) {
+    memory_barrier(commands, VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
+                   VK_PIPELINE_STAGE_FRAGMENT_SHADER_BIT, VK_ACCESS_SHADER_READ_BIT);
+    barrier_between_passes(commands);
+    begin_pass(commands, target_, target_.load_pass, clear_.data());
+    const FacadeTableHead head = facade_table_head();
+    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, resolve_.handle);
+    vkCmdPushConstants(commands, resolve_.layout, kDrawStages, 0, sizeof head, &head);
+    vkCmdDraw(commands, 3, 1, 0, 0);
     vkCmdEndRenderPass(commands);
 }
 
@@ -275,13 +354,15 @@ void Renderer::record_readback(VkCommandBuffer commands) {
 }
 
 void Renderer::record_frame(VkCommandBuffer commands) {
-    const bool facades =
-        std::any_of(drawn_.begin(), drawn_.end(), [](const DrawnTile& d) { return has_facades(*d.tile); });
+    const bool facades = std::any_of(drawn_.begin(), drawn_.end(), [](const DrawnTile& d) { return d.casters != 0; });
     if (device_.timestamp_nanoseconds != 0) vkCmdResetQueryPool(commands, timestamps_, 0, kTimestampCount);
     mark(commands, kBegin);
     begin_target(commands, target_);
+    begin_pass(commands, target_, target_.clear_pass, clear_.data());
     record_meshes(commands);
     mark(commands, kMeshDone);
+    if (facades) record_occluders(commands);
+    vkCmdEndRenderPass(commands);
     if (facades) record_facades(commands);
     mark(commands, kFacadesDone);
     record_readback(commands);
@@ -315,7 +396,9 @@ Result<FrameImage> Renderer::draw(const Camera& camera, std::span<const TileDraw
     }
     FrameTimings measured;
     try {
-        if (std::any_of(tiles.begin(), tiles.end(), has_facades)) ensure_facade_pass();
+        uint32_t casters = 0;
+        for (const TileDraw& tile : tiles) casters |= casters_of(tile);
+        if (casters != 0) ensure_facade_passes(casters);
         const auto record_begin = Clock::now();
         if (const Status status = write_tables(camera, tiles); !status) return status.error();
         submit_and_wait(device_, [&](VkCommandBuffer commands) {

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/cache/layer_store.h"
+#include "client/render/facade_renderer.h"
 #include "client/render/frame.h"
 #include "client/select/camera.h"
 #include "codec/result.h"
@@ -18,7 +20,10 @@ struct RendererOptions {
     uint64_t gpu_budget_bytes = 512ull << 20;  ///< of layer slots; frame buffers are counted apart and reported
     std::string device;        ///< part of a device name or an index; empty: the one that matches the EGL device
     uint32_t supersample = 1;  ///< 1 or 2: box filter over n x n samples a pixel
-    bool validation = false;   ///< Khronos validation with synchronization validation; messages are counted
+    FacadeRenderer facade_renderer = FacadeRenderer::kPatch;  ///< all maps must be in a form that it draws
+    /// Facade hits as 64-bit keys instead of depth writes (facade.frag.glsl); empty: where the device is faster so.
+    std::optional<bool> keyed_facades;
+    bool validation = false;  ///< Khronos validation with synchronization validation; messages are counted
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h
 };
 
@@ -33,7 +38,8 @@ class VulkanRenderer : public LayerStore {
     virtual uint64_t frame_buffer_bytes() const = 0;
     virtual uint64_t gpu_bytes_allocated() const = 0;  ///< chunks of slots really allocated
     virtual uint64_t validation_messages() const = 0;
-    /// Facade pipelines are made when the first tile with relief is drawn (a scene without relief makes none).
+    /// The facade renderer's pipeline is made when the first tile with relief is drawn (a scene without relief makes
+    /// none).
     virtual bool has_facade_pipeline() const = 0;
 };
 

@@ -17,7 +17,7 @@ namespace {
 
 /// What a setting amounts to, for tables and plots.
 struct SettingSummary {
-    double gpu_ms, psnr_db, least_psnr_db, ssim, flip, achieved_error_pixels;
+    double gpu_ms, facade_ms, psnr_db, least_psnr_db, ssim, flip, achieved_error_pixels;
 };
 
 // Equal pictures have no finite PSNR; 99 dB stands for them where a number is needed.
@@ -28,6 +28,7 @@ double finite_psnr(double psnr_db) {
 SettingSummary summarise(const SettingResult& setting) {
     SettingSummary out{};
     out.gpu_ms = median_of(setting.frames, [](const FrameRow& row) { return row.gpu_ms; });
+    out.facade_ms = median_of(setting.frames, [](const FrameRow& row) { return row.facade_ms; });
     out.psnr_db = median_of(setting.frames, [](const FrameRow& row) { return finite_psnr(row.difference.psnr_db); });
     out.ssim = median_of(setting.frames, [](const FrameRow& row) { return row.difference.ssim; });
     out.flip = median_of(setting.frames, [](const FrameRow& row) { return row.difference.flip; });
@@ -39,8 +40,9 @@ SettingSummary summarise(const SettingResult& setting) {
     return out;
 }
 
-std::string label_of(const Setting& setting) {
-    return fmt::format("{:g}{}", setting.value, setting.knob == "tolerance" ? " px" : " MiB");
+/// Without a unit.
+std::string value_text(const Setting& setting) {
+    return setting.is_named() ? setting.name : fmt::format("{:g}", setting.value);
 }
 
 using Column = double (*)(const SettingResult&, const SettingSummary&);
@@ -51,7 +53,7 @@ std::string plot_of(const SweepResult& result, const PlotAxes& axes, Column x, C
         const SettingSummary summary = summarise(setting);
         PlotSeries& series = by_knob[setting.setting.knob];
         series.name = setting.setting.knob;
-        series.points.push_back({x(setting, summary), y(setting, summary), label_of(setting.setting)});
+        series.points.push_back({x(setting, summary), y(setting, summary), setting.setting.label()});
     }
     std::vector<PlotSeries> series;
     for (auto& [knob, one] : by_knob) series.push_back(std::move(one));
@@ -98,19 +100,32 @@ Status write_text(const std::filesystem::path& file, const std::string& text) {
 
 std::string summary_table(const SweepResult& result) {
     std::string out =
-        "<table><tr><th>knob</th><th>value</th><th>wire MB</th><th>GPU MiB, most</th><th>frame ms, median</th><th>PSNR "
-        "dB, median</th>"
-        "<th>PSNR dB, least</th><th>SSIM</th><th>FLIP</th><th>stated error px, most</th></tr>\n";
+        "<table><tr><th>knob</th><th>setting</th><th>wire MB</th><th>of it facade maps, kB</th><th>GPU MiB, most</th>"
+        "<th>frame ms, median</th><th>of it relief</th><th>PSNR dB, median</th><th>PSNR dB, least</th><th>SSIM</th>"
+        "<th>FLIP</th><th>stated error px, most</th></tr>\n";
     for (const SettingResult& setting : result.settings) {
         const SettingSummary s = summarise(setting);
         out += fmt::format(
-            "<tr><td>{}</td><td>{:g}</td><td>{:.3f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</"
-            "td><td>{:.4f}</td><td>{:.4f}</td><td>{:.3f}</td></tr>\n",
-            setting.setting.knob, setting.setting.value, static_cast<double>(setting.total_wire_bytes) / 1e6,
-            static_cast<double>(setting.largest_gpu_bytes) / (1 << 20), s.gpu_ms, s.psnr_db, s.least_psnr_db, s.ssim,
-            s.flip, s.achieved_error_pixels);
+            "<tr><td>{}</td><td>{}</td><td>{:.3f}</td><td>{:.1f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td>"
+            "<td>{:.2f}</td><td>{:.2f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.3f}</td></tr>\n",
+            setting.setting.knob, escape_html(setting.setting.label()),
+            static_cast<double>(setting.total_wire_bytes) / 1e6,
+            static_cast<double>(setting.total_dictionary_bytes) / 1e3,
+            static_cast<double>(setting.largest_gpu_bytes) / (1 << 20), s.gpu_ms, s.facade_ms, s.psnr_db,
+            s.least_psnr_db, s.ssim, s.flip, s.achieved_error_pixels);
     }
     return out + "</table>\n";
+}
+
+/// How each archive was built: what makes them differ.
+std::string archive_list(const SweepResult& result) {
+    std::string out;
+    for (const SettingResult& setting : result.settings) {
+        if (setting.setting.knob != "archive") continue;
+        out += fmt::format("<li>{}: {}</li>\n", escape_html(setting.setting.name),
+                           escape_html(setting.build_options.empty() ? "options unknown" : setting.build_options));
+    }
+    return out.empty() ? out : "<p>Archives and how they were built:</p><ul>\n" + out + "</ul>\n";
 }
 
 std::string picture_rows(const SweepResult& result) {
@@ -126,7 +141,7 @@ std::string picture_rows(const SweepResult& result) {
                 "<figure><a href='pictures/{0}'><img src='pictures/{0}' alt=''></a><a href='pictures/{1}'><img "
                 "src='pictures/{1}' alt='FLIP'></a><figcaption>{2} {3}: {4:.2f} dB, FLIP {5:.4f}, {6} "
                 "tiles</figcaption></figure>\n",
-                row.picture, row.flip_picture, setting.setting.knob, label_of(setting.setting),
+                row.picture, row.flip_picture, setting.setting.knob, escape_html(setting.setting.label()),
                 finite_psnr(row.difference.psnr_db), row.difference.flip, row.tiles);
         }
         out += "</div>\n";
@@ -138,15 +153,16 @@ std::string picture_rows(const SweepResult& result) {
 
 std::string frames_csv(const SweepResult& result) {
     std::string out =
-        "knob,value,frame,t,gpu_ms,select_ms,decode_ms,wire_bytes,gpu_bytes,tiles,tolerance_used,achieved_error_pixels,"
-        "psnr_db,ssim,flip\n";
+        "knob,value,frame,t,gpu_ms,facade_ms,select_ms,decode_ms,wire_bytes,dictionary_bytes,gpu_bytes,tiles,"
+        "relief_tiles,tolerance_used,achieved_error_pixels,psnr_db,ssim,flip\n";
     for (const SettingResult& setting : result.settings)
         for (const FrameRow& row : setting.frames)
-            out += fmt::format("{},{:g},{},{:g},{:.3f},{:.3f},{:.3f},{},{},{},{:.4f},{:.4f},{:.3f},{:.5f},{:.5f}\n",
-                               setting.setting.knob, setting.setting.value, row.frame, row.t, row.gpu_ms, row.select_ms,
-                               row.decode_ms, row.wire_bytes, row.gpu_bytes, row.tiles, row.tolerance_used,
-                               row.achieved_error_pixels, finite_psnr(row.difference.psnr_db), row.difference.ssim,
-                               row.difference.flip);
+            out += fmt::format(
+                "{},{},{},{:g},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{:.4f},{:.4f},{:.3f},{:.5f},{:.5f}\n",
+                setting.setting.knob, value_text(setting.setting), row.frame, row.t, row.gpu_ms, row.facade_ms,
+                row.select_ms, row.decode_ms, row.wire_bytes, row.dictionary_bytes, row.gpu_bytes, row.tiles,
+                row.relief_tiles, row.tolerance_used, row.achieved_error_pixels, finite_psnr(row.difference.psnr_db),
+                row.difference.ssim, row.difference.flip);
     return out;
 }
 
@@ -165,14 +181,18 @@ std::string report_json(const SweepOptions& options, const SweepResult& result) 
         nlohmann::ordered_json one = {{"knob", setting.setting.knob},
                                       {"value", setting.setting.value},
                                       {"wire_bytes", setting.total_wire_bytes},
+                                      {"dictionary_bytes", setting.total_dictionary_bytes},
                                       {"gpu_bytes_most", setting.largest_gpu_bytes},
                                       {"gpu_ms_median", s.gpu_ms},
+                                      {"facade_ms_median", s.facade_ms},
                                       {"psnr_db_median", s.psnr_db},
                                       {"psnr_db_least", s.least_psnr_db},
                                       {"ssim_median", s.ssim},
                                       {"flip_median", s.flip},
                                       {"achieved_error_pixels_most", s.achieved_error_pixels},
                                       {"warnings", setting.warnings}};
+        if (setting.setting.is_named()) one["value"] = setting.setting.name;
+        if (setting.setting.knob == "archive") one["build_options"] = setting.build_options;
         root["settings"].push_back(std::move(one));
     }
     return root.dump(2) + "\n";
@@ -192,7 +212,7 @@ std::string report_html(const SweepOptions& options, const SweepResult& result) 
         escape_html(std::filesystem::path(options.city).filename().string()), options.width, options.height,
         result.reference_pictures.size(), escape_html(result.device),
         static_cast<double>(result.reference_gpu_bytes) / (1 << 20), escape_html(result.reference_device));
-    out += summary_table(result);
+    out += summary_table(result) + archive_list(result);
     out += "<div class='row'>\n";
     for (const auto& [name, svg] : plots_of(result)) out += svg;
     out += "</div>\n";

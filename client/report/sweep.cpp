@@ -8,6 +8,7 @@
 #include "client/reference/reference_renderer.h"
 #include "client/render/frame_file.h"
 #include "client/render/vulkan_renderer.h"
+#include "client/select/relief_arguments.h"
 #include "client/stream/city_streamer.h"
 
 namespace citystream::client {
@@ -96,11 +97,14 @@ Result<FrameRow> Sweep::fly_frame(uint32_t i, const std::string& prefix, VulkanR
     row.frame = i;
     row.t = cameras_[i].t;
     row.gpu_ms = timings.gpu_total_ms;
+    row.facade_ms = timings.gpu_facade_ms;
     row.select_ms = streamed.select_ms;
     row.decode_ms = streamed.decode_ms;
     row.wire_bytes = streamed.wire_bytes;
+    row.dictionary_bytes = streamed.facade_index_bytes + streamed.facade_map_bytes;
     row.gpu_bytes = renderer.slots_used() * renderer.slot_bytes();
     row.tiles = streamed.tiles_drawn;
+    row.relief_tiles = streamed.relief_tiles;
     row.tolerance_used = streamed.tolerance_used;
     row.achieved_error_pixels = streamed.achieved_error_pixels;
     row.difference = *difference;
@@ -110,40 +114,80 @@ Result<FrameRow> Sweep::fly_frame(uint32_t i, const std::string& prefix, VulkanR
     const FrameImage flip = picture_of(flip_per_pixel, options_.width, options_.height);
     if (Status written = write_png(file(row.flip_picture), flip); !written) return written.error();
     out.total_wire_bytes += row.wire_bytes;
+    out.total_dictionary_bytes += row.dictionary_bytes;
     out.largest_gpu_bytes = std::max(out.largest_gpu_bytes, row.gpu_bytes);
     out.warnings.insert(out.warnings.end(), streamed.warnings.begin(), streamed.warnings.end());
     return row;
 }
 
-Result<SettingResult> Sweep::fly(const Setting& setting, SweepResult& result) {
-    RendererOptions renderer_options;
-    renderer_options.width = options_.width;
-    renderer_options.height = options_.height;
-    renderer_options.supersample = options_.supersample;
-    renderer_options.gpu_budget_bytes = options_.gpu_budget_bytes;
-    renderer_options.device = options_.device;
-    StreamerOptions streamer_options;
-    streamer_options.tolerance_pixels = options_.tolerance_pixels;
-    streamer_options.host_budget_bytes = options_.host_budget_bytes;
-    if (setting.knob == "tolerance") streamer_options.tolerance_pixels = setting.value;
-    if (setting.knob == "gpu-budget")
-        renderer_options.gpu_budget_bytes = static_cast<uint64_t>(setting.value * (1 << 20));
+/// Everything that a setting may change.
+struct FlightOptions {
+    std::string place;
+    RendererOptions renderer;
+    StreamerOptions streamer;
+};
 
-    auto renderer = VulkanRenderer::create(renderer_options);
+Result<FlightOptions> flight_options(const SweepOptions& options, const Setting& setting) {
+    FlightOptions out;
+    out.place = options.city;
+    out.renderer.width = options.width;
+    out.renderer.height = options.height;
+    out.renderer.supersample = options.supersample;
+    out.renderer.gpu_budget_bytes = options.gpu_budget_bytes;
+    out.renderer.device = options.device;
+    out.renderer.facade_renderer = options.facade_renderer;
+    out.streamer.tolerance_pixels = options.tolerance_pixels;
+    out.streamer.host_budget_bytes = options.host_budget_bytes;
+    out.streamer.relief = options.relief;
+    if (setting.knob == "tolerance") {
+        out.streamer.tolerance_pixels = setting.value;
+    } else if (setting.knob == "relief-tolerance") {
+        out.streamer.relief.tolerance_pixels = setting.value;
+    } else if (setting.knob == "gpu-budget") {
+        out.renderer.gpu_budget_bytes = static_cast<uint64_t>(setting.value * (1 << 20));
+    } else if (setting.knob == "map-level") {
+        auto relief = parse_relief_options(setting.name, options.relief.tolerance_pixels);
+        if (!relief) return relief.error();
+        out.streamer.relief = *relief;
+    } else if (setting.knob == "facade-renderer") {
+        const auto renderer = facade_renderer_named(setting.name);
+        if (!renderer) return Error{"there is no facade renderer " + setting.name};
+        out.renderer.facade_renderer = *renderer;
+    } else if (setting.knob == "archive") {
+        out.place = setting.place;
+    } else {
+        return Error{"there is no knob " + setting.knob};
+    }
+    out.streamer.facade_form = form_for(out.renderer.facade_renderer);
+    out.streamer.facade_boxes = steps_through_boxes(out.renderer.facade_renderer);
+    return out;
+}
+
+std::string file_prefix(const Setting& setting) {
+    std::string prefix = setting.knob + "_" + (setting.is_named() ? setting.name : fmt::format("{:g}", setting.value));
+    std::replace(prefix.begin(), prefix.end(), ' ', '_');
+    return prefix;
+}
+
+Result<SettingResult> Sweep::fly(const Setting& setting, SweepResult& result) {
+    const auto options = flight_options(options_, setting);
+    if (!options) return options.error();
+    auto renderer = VulkanRenderer::create(options->renderer);
     if (!renderer) return renderer.error();
     result.device = (*renderer)->device_name();
-    auto fetcher = Fetcher::open(options_.city, FetcherOptions{});
+    auto fetcher = Fetcher::open(options->place, FetcherOptions{});
     if (!fetcher) return fetcher.error();
-    auto streamer = CityStreamer::open(**fetcher, **renderer, streamer_options);
+    auto streamer = CityStreamer::open(**fetcher, **renderer, options->streamer);
     if (!streamer) return streamer.error();
 
     SettingResult out;
     out.setting = setting;
-    const std::string prefix = fmt::format("{}_{:g}", setting.knob, setting.value);
+    out.build_options = (*streamer)->manifest().build_options;
+    const std::string prefix = file_prefix(setting);
     for (uint32_t i = 0; i < cameras_.size(); ++i) {
         auto row = fly_frame(i, prefix, **renderer, **streamer, out);
         if (!row) return row.error();
-        say(fmt::format("{} {:g}, frame {} of {}: {:.2f} dB, {} bytes", setting.knob, setting.value, i + 1,
+        say(fmt::format("{} {}, frame {} of {}: {:.2f} dB, {} bytes", setting.knob, setting.label(), i + 1,
                         cameras_.size(), row->difference.psnr_db, row->wire_bytes));
         out.frames.push_back(std::move(row).value());
     }
@@ -151,6 +195,11 @@ Result<SettingResult> Sweep::fly(const Setting& setting, SweepResult& result) {
 }
 
 }  // namespace
+
+std::string Setting::label() const {
+    if (is_named()) return name;
+    return fmt::format("{:g} {}", value, knob == "gpu-budget" ? "MiB" : "px");
+}
 
 Result<SweepResult> run_sweep(const SweepOptions& options, const std::vector<Setting>& settings) {
     Sweep sweep(options);

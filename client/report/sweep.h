@@ -7,16 +7,25 @@
 #include <vector>
 
 #include "client/path/camera_path.h"
+#include "client/render/facade_renderer.h"
 #include "client/render/frame.h"
 #include "client/report/image_metrics.h"
+#include "client/select/facade_dictionary.h"
 #include "codec/result.h"
 
 namespace citystream::client {
 
 /// One setting of one knob; all others stay at the defaults of SweepOptions.
 struct Setting {
-    std::string knob;  ///< "tolerance" (pixels) or "gpu-budget" (MiB)
-    double value = 0;
+    /// "tolerance" or "relief-tolerance" (pixels), "gpu-budget" (MiB), "map-level" or "facade-renderer" (names as
+    /// citystream-fly takes them), "archive" (a name; the city is `place`).
+    std::string knob;
+    double value = 0;   ///< of a knob that has numbers
+    std::string name;   ///< of a knob that has names
+    std::string place;  ///< of an archive
+    bool is_named() const { return !name.empty(); }
+    /// "1.5 px", "64 MiB", "fdm".
+    std::string label() const;
 };
 
 struct SweepOptions {
@@ -27,6 +36,8 @@ struct SweepOptions {
     uint32_t width = 1280, height = 720;
     uint32_t supersample = 1;
     double tolerance_pixels = 1;
+    ReliefOptions relief;
+    FacadeRenderer facade_renderer = FacadeRenderer::kPatch;
     uint64_t gpu_budget_bytes = 512ull << 20;
     uint64_t host_budget_bytes = 1ull << 30;
     std::string device;
@@ -37,10 +48,11 @@ struct SweepOptions {
 struct FrameRow {
     uint32_t frame = 0;
     double t = 0;
-    double gpu_ms = 0, select_ms = 0, decode_ms = 0;
-    uint64_t wire_bytes = 0;  ///< fetched for this frame
-    uint64_t gpu_bytes = 0;   ///< layer slots in use
-    uint64_t tiles = 0;
+    double gpu_ms = 0, facade_ms = 0, select_ms = 0, decode_ms = 0;  ///< facade_ms: of gpu_ms
+    uint64_t wire_bytes = 0;                                         ///< fetched for this frame
+    uint64_t dictionary_bytes = 0;                                   ///< of wire_bytes: facade index and maps
+    uint64_t gpu_bytes = 0;                                          ///< layer slots in use
+    uint64_t tiles = 0, relief_tiles = 0;
     double tolerance_used = 0, achieved_error_pixels = 0;
     ImageDifference difference;
     std::string picture;  ///< file name in picture_folder
@@ -50,7 +62,8 @@ struct FrameRow {
 struct SettingResult {
     Setting setting;
     std::vector<FrameRow> frames;
-    uint64_t total_wire_bytes = 0;
+    std::string build_options;  ///< of the city, as its manifest says
+    uint64_t total_wire_bytes = 0, total_dictionary_bytes = 0;
     uint64_t largest_gpu_bytes = 0;
     std::vector<std::string> warnings;
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "client/cache/directory_cache.h"
+#include "client/select/facade_dictionary.h"
 #include "tiles/tileset/directory.h"
 
 namespace citystream::client {
@@ -19,15 +20,10 @@ struct TileKnowledge {
     std::vector<uint32_t> facade_maps;  ///< sorted, distinct
 };
 
-/// Indexed like the directory's nodes and like the dictionary; both grow with what is known.
 struct CityKnowledge {
-    std::vector<TileKnowledge> tiles;
-    std::vector<tiles::tileset::FacadeMapRecord> maps;  ///< empty until the facade index has come
-    std::vector<bool> broken_maps;
-    bool facades_broken = false;  ///< the facade index cannot be had: facades are drawn flat
-
-    uint64_t map_begin(uint32_t map) const { return map == 0 ? 0 : maps[map - 1].end; }
-    uint64_t map_wire_bytes(uint32_t map) const { return maps[map].end - map_begin(map); }
+    std::vector<TileKnowledge> tiles;  ///< like the directory's nodes; grows with them
+    FacadeDictionary dictionary;       ///< empty until the facade index has come
+    bool facades_broken = false;       ///< the facade index cannot be had: facades are drawn flat
 };
 
 /// Steps of a layer that can be had.
@@ -41,7 +37,7 @@ inline uint32_t usable_steps(const DirectoryNode& node, const TileKnowledge& kno
 /// short by damage is still no worse than the parent would be.
 bool can_be_drawn(const DirectoryCache& directory, const CityKnowledge& knowledge, NodeIndex node);
 
-/// Whether a tile's relief can be drawn: placements and every map they name.
+/// Whether a tile's relief can be drawn: placements and some level of every map they name.
 bool has_usable_relief(const DirectoryCache& directory, const CityKnowledge& knowledge, NodeIndex node);
 
 }  // namespace citystream::client

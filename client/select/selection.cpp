@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 namespace citystream::client {
 
@@ -13,7 +15,7 @@ using tiles::tileset::TileRecord;
 namespace {
 
 /// Steps of the tolerance: four a doubling, up to 2^20 times what was asked for.
-constexpr int kSteepest = 80;
+constexpr int kSteepest = 80, kDoubling = 4;
 double raised(double tolerance, int k) {
     return tolerance * std::exp2(k / 4.0);
 }
@@ -21,6 +23,13 @@ double raised(double tolerance, int k) {
 bool fits(const SelectionCost& cost, const SelectionBudget& budget) {
     const uint64_t host = cost.wire_bytes + cost.layers * budget.host_bytes_per_layer + 2 * cost.largest_decoded;
     return cost.slots <= budget.slots && host <= budget.host_bytes;
+}
+
+void add_layer_cost(uint64_t wire, uint64_t decoded, uint64_t slot_bytes, SelectionCost& cost) {
+    cost.wire_bytes += wire;
+    ++cost.layers;
+    cost.slots += (decoded + slot_bytes - 1) / slot_bytes;
+    cost.largest_decoded = std::max(cost.largest_decoded, decoded);
 }
 
 }  // namespace
@@ -41,8 +50,9 @@ bool has_usable_relief(const DirectoryCache& directory, const CityKnowledge& kno
     const DirectoryNode& node = directory.node(index);
     const TileKnowledge& known = knowledge.tiles[index];
     if (knowledge.facades_broken || usable_steps(node, known, Layer::kFacade) == 0) return false;
-    return std::none_of(known.facade_maps.begin(), known.facade_maps.end(),
-                        [&](uint32_t map) { return map < knowledge.broken_maps.size() && knowledge.broken_maps[map]; });
+    const FacadeDictionary& dictionary = knowledge.dictionary;
+    return std::all_of(known.facade_maps.begin(), known.facade_maps.end(),
+                       [&](uint32_t map) { return map >= dictionary.size() || dictionary.has_usable_level(map); });
 }
 
 uint8_t shortest_prefix(const std::vector<StepRecord>& steps, uint32_t usable, double pixels_per_metre,
@@ -63,8 +73,9 @@ uint64_t wire_prefix_bytes(const std::vector<StepRecord>& steps, uint32_t count)
     return count == 0 ? 0 : steps[count - 1].end;
 }
 
-void Selector::begin_camera(const Camera& camera) {
+void Selector::begin_camera(const Camera& camera, double tolerance) {
     camera_ = camera;
+    relief_ratio_ = relief_.tolerance_pixels && tolerance > 0 ? *relief_.tolerance_pixels / tolerance : 1;
     ++view_stamp_;
     views_.resize(directory_.nodes().size());
 }
@@ -128,8 +139,10 @@ void Selector::take(NodeIndex index, const View& view, Selection& out) {
         tile.steps[static_cast<size_t>(layer)] = shortest_prefix(
             node.record->steps(layer), usable_steps(node, known, layer), view.pixels_per_metre, out.tolerance);
     }
-    const bool relief_shows = node.record->flat_facade_error * view.pixels_per_metre > out.tolerance;
-    if (relief_shows && has_usable_relief(directory_, knowledge_, index)) {
+    const double relief_pixels = node.record->flat_facade_error * view.pixels_per_metre;
+    if (with_relief_ && relief_pixels > out.tolerance * relief_ratio_ &&
+        has_usable_relief(directory_, knowledge_, index)) {
+        tile.maps = {relief_.texel_share * out.tolerance / view.pixels_per_metre, relief_.map_level};
         tile.steps[static_cast<size_t>(Layer::kFacade)] =
             shortest_prefix(node.record->steps(Layer::kFacade), usable_steps(node, known, Layer::kFacade),
                             view.pixels_per_metre, out.tolerance);
@@ -139,23 +152,26 @@ void Selector::take(NodeIndex index, const View& view, Selection& out) {
 
 void Selector::add_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost) {
     const TileRecord& record = *directory_.node(tile.node).record;
-    const auto add = [&](uint64_t wire, uint64_t decoded) {
-        cost.wire_bytes += wire;
-        ++cost.layers;
-        cost.slots += (decoded + slot_bytes - 1) / slot_bytes;
-        cost.largest_decoded = std::max(cost.largest_decoded, decoded);
-    };
-    for (size_t layer = 0; layer < kLayerCount; ++layer) {
-        if (tile.steps[layer] == 0) continue;
-        add(wire_prefix_bytes(record.layers[layer], tile.steps[layer]),
-            decoded_prefix_bytes(record.layers[layer], tile.steps[layer]));
+    for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
+        const uint32_t steps = tile.steps_of(layer);
+        if (steps == 0) continue;
+        add_layer_cost(wire_prefix_bytes(record.steps(layer), steps), decoded_prefix_bytes(record.steps(layer), steps),
+                       slot_bytes, cost);
     }
-    if (tile.steps_of(Layer::kFacade) == 0) return;
-    for (const uint32_t map : knowledge_.tiles[tile.node].facade_maps) {
-        if (map >= knowledge_.maps.size() || map_seen_[map] == cost_stamp_) continue;
-        map_seen_[map] = cost_stamp_;
-        add(knowledge_.map_wire_bytes(map), knowledge_.maps[map].decoded_bytes);
-    }
+    if (tile.has_relief()) add_relief_cost(tile, slot_bytes, cost);
+}
+
+/// Placements, and the levels of maps that were not counted yet.
+void Selector::add_relief_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost) {
+    const auto& placements = directory_.node(tile.node).record->steps(Layer::kFacade);
+    const uint32_t steps = tile.steps_of(Layer::kFacade);
+    add_layer_cost(wire_prefix_bytes(placements, steps), decoded_prefix_bytes(placements, steps), slot_bytes, cost);
+    each_wanted_piece(knowledge_, tile, [&](MapPiece piece) {
+        if (piece_seen_[piece] == cost_stamp_) return;
+        piece_seen_[piece] = cost_stamp_;
+        add_layer_cost(knowledge_.dictionary.wire_bytes(piece), knowledge_.dictionary.resident_bytes(piece), slot_bytes,
+                       cost);
+    });
 }
 
 void Selector::run(double tolerance, uint64_t slot_bytes, Selection& out) {
@@ -164,35 +180,32 @@ void Selector::run(double tolerance, uint64_t slot_bytes, Selection& out) {
     if (!directory_.nodes().empty()) visit(0, out);
     std::sort(out.subtrees.begin(), out.subtrees.end());
     out.subtrees.erase(std::unique(out.subtrees.begin(), out.subtrees.end()), out.subtrees.end());
-    map_seen_.resize(knowledge_.maps.size());
+    piece_seen_.resize(map_piece(static_cast<uint32_t>(knowledge_.dictionary.size()), 0));
     ++cost_stamp_;
     for (const SelectedTile& tile : out.tiles) add_cost(tile, slot_bytes, out.cost);
 }
 
 Selection Selector::select(const Camera& camera, double tolerance, uint64_t slot_bytes) {
-    begin_camera(camera);
+    begin_camera(camera, tolerance);
     Selection selection;
     run(tolerance, slot_bytes, selection);
     return selection;
 }
 
-Selection Selector::select_within(const Camera& camera, double tolerance, const SelectionBudget& budget) {
-    begin_camera(camera);
-    Selection good;
+/// The smallest k whose choice fits, kSteepest when none does; `out` is that choice.
+int Selector::search(double tolerance, const SelectionBudget& budget, Selection& out) {
     const auto try_step = [&](int k) {
         Selection tried;
         run(raised(tolerance, k), budget.slot_bytes, tried);
-        const bool ok = fits(tried.cost, budget);
-        if (ok || k == kSteepest) good = std::move(tried);
+        tried.fits = fits(tried.cost, budget);
+        const bool ok = tried.fits;
+        if (ok || k == kSteepest) out = std::move(tried);
         return ok;
     };
-    if (try_step(0)) return good;
+    if (try_step(0)) return 0;
     int low = 0, high = 1;  // low does not fit
     while (!try_step(high)) {
-        if (high == kSteepest) {
-            drop_far_tiles(budget, good);
-            return good;
-        }
+        if (high == kSteepest) return kSteepest;
         low = high;
         high = std::min(2 * high, kSteepest);
     }
@@ -200,7 +213,50 @@ Selection Selector::select_within(const Camera& camera, double tolerance, const 
         const int middle = (low + high) / 2;
         (try_step(middle) ? high : low) = middle;
     }
+    return high;
+}
+
+Selection Selector::select_within(const Camera& camera, double tolerance, const SelectionBudget& budget) {
+    begin_camera(camera, tolerance);
+    Selection good;
+    const int k = search(tolerance, budget, good);
+    if (k > kDoubling || !good.fits) {
+        Selection flat, full;
+        with_relief_ = false;
+        const int flat_k = search(tolerance, budget, flat);
+        with_relief_ = true;
+        if (flat.fits && k > flat_k + kDoubling) {
+            run(raised(tolerance, flat_k), budget.slot_bytes, full);
+            add_relief(budget, full, flat);
+            return flat;
+        }
+    }
+    if (!good.fits) drop_far_tiles(budget, good);
     return good;
+}
+
+/// Gives the tiles of `out`, which have no relief, that of `full`, the same choice with all relief: nearest first, as
+/// much as fits.
+void Selector::add_relief(const SelectionBudget& budget, const Selection& full, Selection& out) {
+    std::vector<uint32_t> order(full.tiles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        return full.tiles[a].pixels_per_metre > full.tiles[b].pixels_per_metre;
+    });
+    for (const uint32_t i : order) {
+        if (!full.tiles[i].has_relief()) continue;
+        // Pieces that a tile left out had counted count again, so each tile is tried on a count of its own.
+        SelectionCost with = {};
+        ++cost_stamp_;
+        const SelectedTile flat = std::exchange(out.tiles[i], full.tiles[i]);
+        for (const SelectedTile& tile : out.tiles) add_cost(tile, budget.slot_bytes, with);
+        if (fits(with, budget)) {
+            out.cost = with;
+        } else {
+            out.tiles[i] = flat;
+            out.relief_left_out = true;
+        }
+    }
 }
 
 /// The last resort of a budget too small for even the coarsest tiles: nearest first, as many as fit.

@@ -1,9 +1,10 @@
-// The one rule: for every visible tile and layer the shortest prefix whose error, projected to the screen, is below the
-// tolerance.
+// The one rule: for every visible tile and layer the shortest prefix, and for every facade map the coarsest level,
+// whose error, projected to the screen, is below the tolerance.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "client/select/camera.h"
@@ -16,14 +17,25 @@ struct SelectedTile {
     NodeIndex node = kNoNode;
     double pixels_per_metre = 0;  ///< at the nearest point of its bounds
     std::array<uint8_t, tiles::tileset::kLayerCount> steps{};
+    MapDemand maps;  ///< of a tile whose relief is drawn
+    bool has_relief() const { return steps_of(tiles::tileset::Layer::kFacade) > 0; }
     uint8_t steps_of(tiles::tileset::Layer layer) const { return steps[static_cast<size_t>(layer)]; }
 };
 
+/// Calls `use(piece)` with the level to fetch of each facade map whose relief the tile shows.
+template <typename Use>
+void each_wanted_piece(const CityKnowledge& knowledge, const SelectedTile& tile, const Use& use) {
+    if (!tile.has_relief()) return;
+    for (const uint32_t map : knowledge.tiles[tile.node].facade_maps) {
+        if (const std::optional<MapPiece> piece = knowledge.dictionary.wanted(map, tile.maps)) use(*piece);
+    }
+}
+
 /// What a selection needs, known before any request from the step tables.
 struct SelectionCost {
-    uint64_t slots = 0;            ///< of the layer store: every layer rounded up, every known facade map once
-    uint64_t wire_bytes = 0;       ///< of all selected prefixes and maps
-    uint64_t layers = 0;           ///< number of them
+    uint64_t slots = 0;       ///< of the layer store: every layer rounded up, every known level of a facade map once
+    uint64_t wire_bytes = 0;  ///< of all selected prefixes and maps
+    uint64_t layers = 0;      ///< number of them
     uint64_t largest_decoded = 0;  ///< bytes of the largest single prefix: what decoding needs beside it
 };
 
@@ -32,7 +44,8 @@ struct Selection {
     std::vector<SelectedTile> tiles;                    ///< depth first: neighbours in the tree are neighbours here
     std::vector<tiles::tileset::TileAddress> subtrees;  ///< not loaded yet, but needed to refine
     SelectionCost cost;
-    bool fits = true;  ///< false: even the coarsest choice breaks a budget, and far tiles were left out
+    bool relief_left_out = false;  ///< relief of some tiles is drawn flat, for the budgets do not hold it
+    bool fits = true;              ///< false: even the coarsest choice breaks a budget, and far tiles were left out
 };
 
 /// Limits of a selection. Wire bytes of all that is selected are kept in host memory beside `2 x largest_decoded`.
@@ -47,14 +60,15 @@ struct SelectionBudget {
 /// at a time).
 class Selector {
   public:
-    Selector(const DirectoryCache& directory, const CityKnowledge& knowledge)
-        : directory_(directory), knowledge_(knowledge) {}
+    Selector(const DirectoryCache& directory, const CityKnowledge& knowledge, const ReliefOptions& relief = {})
+        : directory_(directory), knowledge_(knowledge), relief_(relief) {}
 
     /// The rule at exactly this tolerance, whatever it costs. O(visible tiles and their ancestors).
     Selection select(const Camera& camera, double tolerance, uint64_t slot_bytes);
 
     /// The rule at the smallest tolerance tolerance * 2^(k/4), k = 0, 1, ..., whose cost fits (searched by doubling and
-    /// bisection).
+    /// bisection). Where relief alone would more than double the tolerance, it is left flat instead, nearest tiles
+    /// served first: maps that were converted for a renderer can be a thousand times larger than the rest.
     Selection select_within(const Camera& camera, double tolerance, const SelectionBudget& budget);
 
     /// Of the camera of the last selection, for any node of the directory.
@@ -71,16 +85,22 @@ class Selector {
     bool visit(NodeIndex node, Selection& out);
     bool visit_children(NodeIndex node, Selection& out);
     void take(NodeIndex node, const View& view, Selection& out);
-    void begin_camera(const Camera& camera);
+    void begin_camera(const Camera& camera, double tolerance);
     void run(double tolerance, uint64_t slot_bytes, Selection& out);
+    int search(double tolerance, const SelectionBudget& budget, Selection& out);
     void add_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost);
+    void add_relief_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost);
+    void add_relief(const SelectionBudget& budget, const Selection& full, Selection& out);
     void drop_far_tiles(const SelectionBudget& budget, Selection& out);
 
     const DirectoryCache& directory_;
     const CityKnowledge& knowledge_;
+    ReliefOptions relief_;
+    bool with_relief_ = true;  ///< false while the choice without any relief is searched
+    double relief_ratio_ = 1;  ///< tolerance of flat relief / tolerance: they are raised together
     Camera camera_;
-    std::vector<View> views_;         ///< by node, valid where stamp == view_stamp_
-    std::vector<uint64_t> map_seen_;  ///< by map: cost_stamp_ when counted
+    std::vector<View> views_;           ///< by node, valid where stamp == view_stamp_
+    std::vector<uint64_t> piece_seen_;  ///< by piece of the dictionary: cost_stamp_ when counted
     uint64_t view_stamp_ = 0, cost_stamp_ = 0;
 };
 

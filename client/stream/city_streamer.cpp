@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <thread>
 
 #include "client/cache/directory_cache.h"
 #include "client/cache/layer_cache.h"
@@ -11,7 +12,6 @@
 #include "client/stream/cover.h"
 #include "client/stream/request_plan.h"
 #include "client/stream/tile_residency.h"
-#include "tiles/tileset/facade_index.h"
 #include "tiles/tileset/tileset_json.h"
 
 namespace citystream::client {
@@ -54,16 +54,27 @@ struct Setback {
     uint8_t usable_before = TileKnowledge::kAllSteps;
 };
 
+MapOptions map_options(const StreamerOptions& options) {
+    MapOptions maps;
+    maps.decode = options.decode;
+    if (options.facade_form) maps.target = MapTarget{*options.facade_form, options.facade_boxes};
+    maps.threads = options.map_threads;
+    // A conversion may take seconds: a frame that does not wait starts few.
+    if (!options.wait_for_selection) maps.most_conversions = std::max(1u, std::thread::hardware_concurrency());
+    return maps;
+}
+
 class Streamer final : public CityStreamer {
   public:
     Streamer(Fetcher& fetcher, LayerStore& store, const StreamerOptions& options, Manifest manifest)
         : fetcher_(fetcher),
           store_(store),
           options_(options),
-          directory_(std::move(manifest), options.subtrees),
+          directory_(std::move(manifest), options.directory_pool),
           cache_(store, host_),
-          selector_(directory_, knowledge_),
-          residency_(directory_, knowledge_, cache_, host_, options.decode) {
+          selector_(directory_, knowledge_, options.relief),
+          maps_(knowledge_, cache_, host_, warnings_, counters_, map_options(options)),
+          residency_(directory_, knowledge_, cache_, host_, maps_, warnings_, counters_, options.decode) {
         host_.budget = options.host_budget_bytes;
         host_.fixed = sizeof(*this);
     }
@@ -88,6 +99,7 @@ class Streamer final : public CityStreamer {
     void upload_all();
     void count_hits();
     std::vector<PlannedRequest> plan(const Camera& camera, bool directory_first);
+    bool has_host_room() const;
 
     bool admit(const PlannedRequest& request);
     void submit(const PlannedRequest& request);
@@ -133,6 +145,9 @@ class Streamer final : public CityStreamer {
     DirectoryCache directory_;
     LayerCache cache_;
     Selector selector_;
+    Warnings warnings_;
+    ResidencyCounters counters_;
+    MapResidency maps_;
     TileResidency residency_;
     Selection selection_;
     std::vector<SelectedTile> needed_;  ///< the selection, and in realtime mode the root
@@ -172,23 +187,29 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
         advance_realtime(camera);
     }
     make_draws();
-    const ResidencyCounters counters = residency_.take_counters();
+    const ResidencyCounters counters = std::exchange(counters_, {});
     frame.decoded_bytes = counters.decoded_bytes;
     frame.decode_ms = counters.decode_ms;
+    frame.map_conversions = counters.conversions;
+    frame.map_conversions_refused = counters.conversions_refused;
+    frame.map_conversion_ms = counters.conversion_ms;
+    frame.facade_maps = cache_.maps_in_store();
     frame.gpu_bytes_used = store_.slots_used() * store_.slot_bytes();
     host_.note_peak();
     frame.host_bytes_used = host_.peak;
-    frame.warnings = residency_.take_warnings();
+    frame.warnings = warnings_.take();
     return draws_;
 }
 
 /// Rounds of choosing and fetching until the choice is here. What a choice turns out to depend on (subtrees,
-/// placements, damage) makes another round.
+/// placements, damage, sizes of converted maps) makes another round.
 void Streamer::advance_waiting(const Camera& camera) {
     for (int round = 0; round < kMostRounds && !stopped(); ++round) {
+        const uint64_t known = knowledge_.dictionary.changes();
         choose(camera);
         upload_all();
         if (round == 0) count_hits();
+        if (knowledge_.dictionary.changes() != known) continue;
         const std::vector<PlannedRequest> requests = plan(camera, true);
         if (requests.empty() || !drain(requests)) return;
     }
@@ -238,8 +259,11 @@ void Streamer::choose(const Camera& camera) {
     }
     mark_needed();
     trim_to_budget();
+    if (selection_.relief_left_out) {
+        warnings_.add("the budgets do not hold all relief of this view; that of far tiles is drawn flat");
+    }
     if (!selection_.fits) {
-        residency_.warn("the budgets do not hold even the coarsest tiles of this view; far tiles are left out");
+        warnings_.add("the budgets do not hold even the coarsest tiles of this view; far tiles are left out");
     }
     frame_->select_ms += milliseconds_since(begin);
 }
@@ -262,15 +286,14 @@ void Streamer::mark_needed() {
         for (size_t layer = 0; layer < kLayerCount; ++layer) {
             if (tile.steps[layer] > 0) cache_.need(cache_.at(layer_key(tile.node, static_cast<Layer>(layer))));
         }
-        if (tile.steps_of(Layer::kFacade) == 0) continue;
-        for (const uint32_t map : knowledge_.tiles[tile.node].facade_maps) cache_.need(cache_.at(map_key(map)));
+        each_wanted_piece(knowledge_, tile, [&](MapPiece piece) { cache_.need(cache_.at(map_key(piece))); });
     }
 }
 
 /// Slots of all that is needed when it is complete, with what is resident beyond the wanted prefixes.
 uint64_t Streamer::needed_slots() {
     uint64_t slots = 0;
-    std::vector<uint32_t> maps;
+    std::vector<MapPiece> pieces;
     for (const SelectedTile& tile : needed_) {
         const auto& record = *directory_.node(tile.node).record;
         for (size_t layer = 0; layer < kLayerCount; ++layer) {
@@ -279,15 +302,11 @@ uint64_t Streamer::needed_slots() {
             const uint64_t wanted = decoded_prefix_bytes(record.layers[layer], tile.steps[layer]);
             slots += store_.slots_for(std::max(wanted, entry.store_bytes));
         }
-        if (tile.steps_of(Layer::kFacade) == 0) continue;
-        const auto& used = knowledge_.tiles[tile.node].facade_maps;
-        maps.insert(maps.end(), used.begin(), used.end());
+        each_wanted_piece(knowledge_, tile, [&](MapPiece piece) { pieces.push_back(piece); });
     }
-    std::sort(maps.begin(), maps.end());
-    maps.erase(std::unique(maps.begin(), maps.end()), maps.end());
-    for (const uint32_t map : maps) {
-        if (map < knowledge_.maps.size()) slots += store_.slots_for(knowledge_.maps[map].decoded_bytes);
-    }
+    std::sort(pieces.begin(), pieces.end());
+    pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
+    for (const MapPiece piece : pieces) slots += store_.slots_for(knowledge_.dictionary.resident_bytes(piece));
     return slots;
 }
 
@@ -322,6 +341,7 @@ void Streamer::trim_to_budget() {
 
 void Streamer::upload_all() {
     for (const SelectedTile& tile : needed_) residency_.upload(tile);
+    if (knowledge_.dictionary.known()) maps_.upload(needed_);
 }
 
 void Streamer::count_hits() {
@@ -336,11 +356,18 @@ void Streamer::count_hits() {
     }
 }
 
+/// For bytes that only save requests.
+bool Streamer::has_host_room() const {
+    constexpr uint64_t kRoom = 1 << 20;
+    const uint64_t needed = host_.fixed + selection_.cost.wire_bytes + 2 * selection_.cost.largest_decoded;
+    return needed + kRoom <= host_.budget;
+}
+
 std::vector<PlannedRequest> Streamer::plan(const Camera& camera, bool directory_first) {
     const NodeIndex first = options_.wait_for_selection || directory_.nodes().empty() ? kNoNode : NodeIndex{0};
     std::vector<PlannedRequest> requests =
         plan_requests(directory_, knowledge_, cache_, selection_, needed_, first, camera,
-                      {directory_first, !directory_first, facade_index_requested_});
+                      {directory_first, !directory_first, facade_index_requested_, has_host_room()});
     std::erase_if(requests, [&](const PlannedRequest& request) {
         return request.kind == RequestKind::kSubtree &&
                std::any_of(in_flight_.begin(), in_flight_.end(), [&](const auto& entry) {
@@ -400,7 +427,7 @@ bool Streamer::drain(const std::vector<PlannedRequest>& requests) {
             submit(requests[next++]);
         }
         if (in_flight_.empty()) {
-            residency_.warn("the host budget has no room for the next request; the view stays coarser");
+            warnings_.add("the host budget has no room for the next request; the view stays coarser");
             return false;
         }
         const Clock::time_point begin = Clock::now();
@@ -423,8 +450,8 @@ bool Streamer::still_wanted(const PlannedRequest& request) {
         case RequestKind::kMaps:
             break;
     }
-    for (uint32_t map = request.from; map < request.to; ++map) {
-        if (cache_.is_needed(cache_.at(map_key(map)))) return true;
+    for (MapPiece piece = request.from; piece != request.to; piece = knowledge_.dictionary.next(piece)) {
+        if (cache_.is_needed(cache_.at(map_key(piece)))) return true;
     }
     return false;
 }
@@ -443,7 +470,9 @@ void Streamer::set_requested(const PlannedRequest& request, bool requested) {
     if (request.kind == RequestKind::kFacadeIndex) facade_index_requested_ = requested;
     if (request.kind == RequestKind::kLayer) cache_.at(layer_key(request.node, request.layer)).requested = requested;
     if (request.kind != RequestKind::kMaps) return;
-    for (uint32_t map = request.from; map < request.to; ++map) cache_.at(map_key(map)).requested = requested;
+    for (MapPiece piece = request.from; piece != request.to; piece = knowledge_.dictionary.next(piece)) {
+        cache_.at(map_key(piece)).requested = requested;
+    }
 }
 
 void Streamer::receive(FetchResult& result) {
@@ -460,6 +489,8 @@ void Streamer::receive(FetchResult& result) {
     }
     const std::vector<std::byte>& bytes = *result.bytes;
     frame_->wire_bytes += bytes.size();
+    if (request.kind == RequestKind::kFacadeIndex) frame_->facade_index_bytes += bytes.size();
+    if (request.kind == RequestKind::kMaps) frame_->facade_map_bytes += bytes.size();
     if (request.length > 0 && bytes.size() != request.length) {
         fail(request, "the answer has another length than the directory says", false);
         return;
@@ -486,7 +517,7 @@ void Streamer::receive_subtree(const PlannedRequest& request, std::span<const st
 }
 
 void Streamer::receive_facade_index(std::span<const std::byte> bytes) {
-    auto maps = tiles::tileset::parse_facade_index(bytes, directory_.manifest());
+    auto maps = directory_.pool().facade_maps(bytes, directory_.manifest());
     if (!maps) {
         if (++facade_index_failures_ < 2) return;
         PlannedRequest request;
@@ -494,15 +525,14 @@ void Streamer::receive_facade_index(std::span<const std::byte> bytes) {
         fail(request, maps.error().text(), true);
         return;
     }
-    knowledge_.maps = std::move(*maps);
-    knowledge_.broken_maps.assign(knowledge_.maps.size(), false);
-    host_.fixed += knowledge_.maps.size() * (sizeof(tiles::tileset::FacadeMapRecord) + 1);
+    knowledge_.dictionary.learn(std::move(*maps));
+    host_.fixed += knowledge_.dictionary.host_bytes();
     host_.note_peak();
 }
 
 void Streamer::receive_layers(const PlannedRequest& request, std::span<const std::byte> bytes) {
     if (request.kind == RequestKind::kMaps) {
-        residency_.accept_maps(request.from, request.to, bytes);
+        maps_.accept(request.from, request.to, bytes);
         return;  // brought to the store with the tiles that use them
     }
     residency_.accept_layer(request.node, request.layer, request.from, request.to, bytes);
@@ -518,12 +548,12 @@ void Streamer::fail(const PlannedRequest& request, const std::string& why, bool 
         case RequestKind::kSubtree:
             failures = ++subtree_failures_[request.subtree];
             directory_.mark_broken(request.subtree);
-            residency_.warn(about(subtree_path(request.subtree), why) + "; what lies below is drawn from its parent");
+            warnings_.add(about(subtree_path(request.subtree), why) + "; what lies below is drawn from its parent");
             break;
         case RequestKind::kFacadeIndex:
             failures = ++facade_index_failures_;
             knowledge_.facades_broken = true;
-            residency_.warn(about("facades/index", why) + "; facades are drawn flat");
+            warnings_.add(about("facades/index", why) + "; facades are drawn flat");
             break;
         case RequestKind::kLayer: {
             CachedLayer& entry = cache_.at(layer_key(request.node, request.layer));
@@ -531,16 +561,16 @@ void Streamer::fail(const PlannedRequest& request, const std::string& why, bool 
             uint8_t& usable = knowledge_.tiles[request.node].usable_steps[static_cast<size_t>(request.layer)];
             setback.usable_before = usable;
             usable = static_cast<uint8_t>(std::min<uint32_t>(usable, std::max(entry.store_steps, entry.wire_steps)));
-            residency_.warn(about(layer_path(request.layer, directory_.node(request.node).record->address), why) +
-                            "; drawn coarser or from its parent");
+            warnings_.add(about(layer_path(request.layer, directory_.node(request.node).record->address), why) +
+                          "; drawn coarser or from its parent");
             break;
         }
         case RequestKind::kMaps:
-            for (uint32_t map = request.from; map < request.to; ++map) {
-                failures = std::max(failures, ++cache_.at(map_key(map)).failures);
-                knowledge_.broken_maps[map] = true;
+            for (MapPiece piece = request.from; piece != request.to; piece = knowledge_.dictionary.next(piece)) {
+                failures = std::max(failures, ++cache_.at(map_key(piece)).failures);
+                knowledge_.dictionary.set_usable(piece, false);
             }
-            residency_.warn(about("facades/maps", why) + "; the facades that use it are drawn flat");
+            warnings_.add(about("facades/maps", why) + "; other levels stand in, or facades are drawn flat");
             break;
     }
     if (for_good) return;
@@ -560,8 +590,8 @@ void Streamer::retry_due() {
             knowledge_.tiles[request.node].usable_steps[static_cast<size_t>(request.layer)] = setback.usable_before;
         }
         if (request.kind == RequestKind::kMaps) {
-            for (uint32_t map = request.from; map < request.to; ++map) {
-                if (cache_.at(map_key(map)).damages < 2) knowledge_.broken_maps[map] = false;
+            for (MapPiece piece = request.from; piece != request.to; piece = knowledge_.dictionary.next(piece)) {
+                if (cache_.at(map_key(piece)).damages < 2) knowledge_.dictionary.set_usable(piece, true);
             }
         }
         return true;
@@ -591,22 +621,29 @@ void Streamer::make_draws() {
     frame_->tolerance_used = selection_.tolerance;
 }
 
-/// Waiting mode draws exactly the chosen prefixes, so that a frame depends on its camera alone; realtime mode draws all
-/// that is resident.
+/// Waiting mode draws exactly the chosen prefixes and levels, so that a frame depends on its camera alone; realtime
+/// mode draws all steps that are resident.
 void Streamer::add_draw(NodeIndex node) {
     const SelectedTile* tile = is_selected(node) ? wanted_tile(node) : nullptr;
+    const double pixels_per_metre = selector_.pixels_per_metre(node);
     std::array<uint8_t, kLayerCount> steps;
     steps.fill(TileKnowledge::kAllSteps);
+    MapDemand demand = {options_.relief.texel_share * selection_.tolerance / pixels_per_metre,
+                        options_.relief.map_level};
     if (tile != nullptr) {
         if (options_.wait_for_selection) steps = tile->steps;
         steps[static_cast<size_t>(Layer::kFacade)] = tile->steps_of(Layer::kFacade);
+        demand = tile->maps;
     }
-    draws_.push_back(residency_.draw(node, steps));
-    const double error = drawn_error(node, draws_.back()) * selector_.pixels_per_metre(node);
+    draws_.push_back(residency_.draw(node, steps, demand));
+    const bool has_facades = !directory_.node(node).record->steps(Layer::kFacade).empty();
+    if (has_facades) ++(draws_.back().facade != kNoLayer ? frame_->relief_tiles : frame_->flat_tiles);
+    const double error = drawn_error(node, draws_.back()) * pixels_per_metre;
     frame_->achieved_error_pixels = std::max(frame_->achieved_error_pixels, error);
 }
 
-/// Metres: of the tile itself, of steps that were left away, and of relief drawn flat.
+/// Metres: of the tile itself, of steps that were left away, and of relief drawn flat or with coarser maps (which leave
+/// out nothing that is larger than their texels).
 double Streamer::drawn_error(NodeIndex node, const TileDraw& draw) const {
     const auto& record = *directory_.node(node).record;
     double error = record.geometric_error;
@@ -614,6 +651,9 @@ double Streamer::drawn_error(NodeIndex node, const TileDraw& draw) const {
     const size_t drawn = draw.mesh_step_words.size();
     if (drawn > 0 && drawn < mesh.size()) error = std::max<double>(error, mesh[drawn - 1].error);
     if (draw.facade == kNoLayer) error = std::max<double>(error, record.flat_facade_error);
+    for (const FacadeMapBinding& binding : draw.facade_maps) {
+        error = std::max(error, knowledge_.dictionary.texel_error(map_piece(binding.map, binding.level)));
+    }
     return error;
 }
 

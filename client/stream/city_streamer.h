@@ -2,22 +2,26 @@
 // keeps what fits the budgets.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/cache/layer_store.h"
 #include "client/render/frame.h"
 #include "client/select/camera.h"
+#include "client/select/facade_dictionary.h"
 #include "client/stream/fetcher.h"
+#include "codec/facade/facade_form.h"
 #include "codec/result.h"
 #include "tiles/tileset/directory.h"
 
 namespace citystream::client {
 
-class SubtreePool;
+class DirectoryPool;
 
 struct StreamerOptions {
     double tolerance_pixels = 1.0;
@@ -25,9 +29,14 @@ struct StreamerOptions {
     bool wait_for_selection =
         true;            ///< offline mode: update() returns when the frame has all it asked for (or it failed for good)
     bool decode = true;  ///< false (load client): bytes are counted and checked, not decoded
+    ReliefOptions relief;
+    std::optional<codec::facade::FacadeForm>
+        facade_form;                       ///< that the renderer reads (form_for); empty: maps stay as they arrive
+    bool facade_boxes = true;              ///< with them: raw words for a renderer that steps through boxes
+    uint32_t map_threads = 0;              ///< that expand and convert facade maps; 0: one a core
     uint32_t max_requests_in_flight = 64;  ///< the rest waits in the streamer, where each update orders it anew
-    std::shared_ptr<SubtreePool>
-        subtrees;  ///< share parsed directories among many streamers of one city; null: one of its own
+    std::shared_ptr<DirectoryPool>
+        directory_pool;  ///< share parsed directories among many streamers of one city; null: one of its own
     const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: an update that waits returns early
 };
 
@@ -40,8 +49,13 @@ struct StreamerFrame {
         0;  ///< chosen tiles that are not drawn as chosen: an ancestor, descendants or nothing stands in for them
     uint64_t requests = 0, wire_bytes = 0, decoded_bytes = 0;  ///< of this update
     uint64_t cache_hits = 0, cache_misses = 0;                 ///< layer prefixes found resident / not
-    uint64_t gpu_bytes_used = 0;                               ///< slots in use, in bytes
-    uint64_t host_bytes_used = 0;                              ///< highest value during this update
+    uint64_t relief_tiles = 0, flat_tiles = 0;                 ///< drawn tiles with facades: ray cast, or flat
+    std::array<uint64_t, codec::facade::kMostFacadeLevels> facade_maps{};  ///< in the store after it, by level
+    uint64_t facade_index_bytes = 0, facade_map_bytes = 0;                 ///< of wire_bytes: the dictionary
+    uint64_t map_conversions = 0, map_conversions_refused = 0;             ///< to the renderer's form, or not to it
+    double map_conversion_ms = 0;                                          ///< all cores together
+    uint64_t gpu_bytes_used = 0;                                           ///< slots in use, in bytes
+    uint64_t host_bytes_used = 0;                                          ///< highest value during this update
     double tolerance_used = 0;         ///< pixels: grows above the option when a budget does not hold the selection
     double achieved_error_pixels = 0;  ///< largest projected error of what is drawn
     double select_ms = 0, wait_ms = 0, decode_ms = 0;

@@ -37,6 +37,15 @@ Json frame_json(const FlightFrame& frame) {
               {"decoded", s.decoded_bytes},
               {"gpu", s.gpu_bytes_used},
               {"host", s.host_bytes_used}}},
+            {"facades",
+             {{"relief_tiles", s.relief_tiles},
+              {"flat_tiles", s.flat_tiles},
+              {"maps", s.facade_maps},
+              {"index_bytes", s.facade_index_bytes},
+              {"map_bytes", s.facade_map_bytes},
+              {"conversions", s.map_conversions},
+              {"refused", s.map_conversions_refused},
+              {"conversion_ms", milliseconds(s.map_conversion_ms)}}},
             {"cache", {{"hits", s.cache_hits}, {"misses", s.cache_misses}}},
             {"tolerance_used", s.tolerance_used},
             {"achieved_error_pixels", s.achieved_error_pixels},
@@ -68,6 +77,9 @@ Json description_json(const FlightDescription& d) {
             {"size", {d.width, d.height}},
             {"fps", d.frames_per_second},
             {"tolerance_pixels", d.tolerance_pixels},
+            {"relief_tolerance_pixels", d.relief_tolerance_pixels},
+            {"map_level", d.map_level},
+            {"facade_renderer", d.facade_renderer},
             {"gpu_budget_bytes", d.gpu_budget_bytes},
             {"host_budget_bytes", d.host_budget_bytes}};
 }
@@ -82,6 +94,30 @@ Json times_json(const std::vector<FlightFrame>& frames) {
             {"gpu_facade", spread(frames, [](const FlightFrame& f) { return f.timings.gpu_facade_ms; })},
             {"gpu_total", spread(frames, [](const FlightFrame& f) { return f.timings.gpu_total_ms; })},
             {"readback", spread(frames, [](const FlightFrame& f) { return f.timings.readback_ms; })}};
+}
+
+/// Relief and the dictionary: all 0 and false where no relief was drawn.
+Json facades_json(const std::vector<FlightFrame>& frames, const FlightTotals& totals) {
+    std::array<uint64_t, codec::facade::kMostFacadeLevels> most{};
+    for (const FlightFrame& frame : frames) {
+        for (size_t level = 0; level < most.size(); ++level) {
+            most[level] = std::max(most[level], frame.stream.facade_maps[level]);
+        }
+    }
+    const uint64_t index = sum(frames, [](const FlightFrame& f) { return f.stream.facade_index_bytes; });
+    const uint64_t maps = sum(frames, [](const FlightFrame& f) { return f.stream.facade_map_bytes; });
+    double conversion_ms = 0;
+    for (const FlightFrame& frame : frames) conversion_ms += frame.stream.map_conversion_ms;
+    return {{"pipeline", totals.facade_pipeline},
+            {"relief_tiles", sum(frames, [](const FlightFrame& f) { return f.stream.relief_tiles; })},
+            {"flat_tiles", sum(frames, [](const FlightFrame& f) { return f.stream.flat_tiles; })},
+            {"maps_most", most},
+            {"dictionary_bytes", index + maps},
+            {"index_bytes", index},
+            {"map_bytes", maps},
+            {"conversions", sum(frames, [](const FlightFrame& f) { return f.stream.map_conversions; })},
+            {"refused", sum(frames, [](const FlightFrame& f) { return f.stream.map_conversions_refused; })},
+            {"conversion_ms", milliseconds(conversion_ms)}};
 }
 
 Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::string>& warnings,
@@ -107,6 +143,7 @@ Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::stri
                            most([](const FlightFrame& f) { return static_cast<double>(f.stream.host_bytes_used); }))},
           {"gpu_allocated", totals.gpu_bytes_allocated},
           {"frame_buffers", totals.frame_buffer_bytes}}},
+        {"facades", facades_json(frames, totals)},
         {"cache",
          {{"hits", sum(frames, [](const FlightFrame& f) { return f.stream.cache_hits; })},
           {"misses", sum(frames, [](const FlightFrame& f) { return f.stream.cache_misses; })}}},

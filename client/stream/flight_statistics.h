@@ -22,6 +22,8 @@ struct FlightFrame {
 /// What was flown, and with what.
 struct FlightDescription {
     std::string place, path, mode, device, network;
+    std::string facade_renderer, map_level;  ///< as chosen by name
+    double relief_tolerance_pixels = 0;
     uint32_t width = 0, height = 0;
     double tolerance_pixels = 0, frames_per_second = 0;
     uint64_t gpu_budget_bytes = 0, host_budget_bytes = 0;
@@ -31,6 +33,7 @@ struct FlightTotals {
     FetcherStatistics fetcher;
     uint64_t frame_buffer_bytes = 0, gpu_bytes_allocated = 0, validation_messages = 0;
     bool stopped_early = false;
+    bool facade_pipeline = false;  ///< the renderer made one
 };
 
 /// Nearest-rank percentile (0..100) of values in any order; 0 of none.

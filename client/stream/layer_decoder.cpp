@@ -7,7 +7,6 @@
 #include "codec/atlas/atlas_layer.h"
 #include "codec/bits/zstd_frame.h"
 #include "codec/facade/facade_layer.h"
-#include "codec/facade/facade_map.h"
 #include "codec/mesh/mesh_layer.h"
 
 namespace citystream::client {
@@ -110,15 +109,6 @@ bool decode_layer(Layer layer, std::span<const std::vector<std::byte>> wire,
         }
     }
     return false;
-}
-
-Result<std::vector<uint32_t>> decode_map(std::span<const std::byte> wire, uint32_t decoded_bytes) {
-    std::vector<uint32_t> words;
-    const Status appended = append_words(wire, decoded_bytes, words);
-    if (!appended) return appended.error();
-    const auto view = codec::facade::FacadeMapView::create(words);
-    if (!view) return view.error();
-    return words;
 }
 
 }  // namespace citystream::client

@@ -48,7 +48,4 @@ bool decode_layer(tiles::tileset::Layer layer, std::span<const std::vector<std::
                   std::span<const tiles::tileset::StepRecord> steps, uint32_t chart_count, uint32_t map_count,
                   DecodedPrefix& out, LayerFacts& facts, DecodeFailure& failure);
 
-/// One facade map: a frame of the maps entry.
-Result<std::vector<uint32_t>> decode_map(std::span<const std::byte> wire, uint32_t decoded_bytes);
-
 }  // namespace citystream::client

@@ -38,12 +38,20 @@ class Planner {
         out.push_back(request);
     }
     void add_layer(const SelectedTile& tile, Layer layer, bool first);
-    void add_maps(const std::vector<SelectedTile>& tiles);
+    void add_maps(const std::vector<SelectedTile>& tiles, bool bridge_gaps);
 
     std::vector<PlannedRequest> out;
 
   private:
+    struct WantedPiece {
+        MapPiece piece;
+        double gain;
+    };
     double error_before(const SelectedTile& tile, const CachedLayer& entry, Layer layer) const;
+    std::vector<WantedPiece> missing_pieces(const std::vector<SelectedTile>& tiles) const;
+    double map_gain(const SelectedTile& tile, MapPiece piece) const;
+    bool is_here(MapPiece piece) const;
+    bool can_bridge(MapPiece from, MapPiece to) const;
     uint64_t bytes_to_weigh(const PlannedRequest& request) const;
 
     const DirectoryCache& directory_;
@@ -105,44 +113,77 @@ void Planner::add_layer(const SelectedTile& tile, Layer layer, bool first) {
     out.push_back(request);
 }
 
-/// Missing maps of all tiles, neighbours in the entry as one range.
-void Planner::add_maps(const std::vector<SelectedTile>& tiles) {
-    struct Wanted {
-        uint32_t map;
-        double gain;
-    };
-    std::vector<Wanted> wanted;
-    for (const SelectedTile& tile : tiles) {
-        if (tile.steps_of(Layer::kFacade) == 0) continue;
-        const TileRecord& record = *directory_.node(tile.node).record;
-        const double relief = std::min<double>(record.flat_facade_error * tile.pixels_per_metre, camera_.height);
-        const double gain = relief * screen_area(record.bounds, tile.pixels_per_metre, camera_);
-        for (const uint32_t map : knowledge_.tiles[tile.node].facade_maps) {
-            if (map >= knowledge_.maps.size()) continue;
-            const CachedLayer& entry = cache_.at(map_key(map));
-            if (entry.wire_steps == 0 && entry.store_steps == 0 && !entry.requested) wanted.push_back({map, gain});
-        }
+bool Planner::is_here(MapPiece piece) const {
+    const CachedLayer* entry = cache_.find(map_key(piece));
+    return entry != nullptr && (entry->wire_steps > 0 || entry->store_steps > 0);
+}
+
+/// Pixels of error that a level of a map takes away, times the tile's pixels. Before it is here a coarser level is
+/// drawn, or the relief is flat.
+double Planner::map_gain(const SelectedTile& tile, MapPiece piece) const {
+    const TileRecord& record = *directory_.node(tile.node).record;
+    const FacadeDictionary& dictionary = knowledge_.dictionary;
+    double before = record.flat_facade_error;
+    for (uint32_t level = 0; level < level_of(piece); ++level) {
+        const MapPiece coarser = map_piece(map_of(piece), level);
+        const CachedLayer* entry = cache_.find(map_key(coarser));
+        if (entry != nullptr && entry->store_steps > 0) before = dictionary.texel_error(coarser);
     }
-    std::sort(wanted.begin(), wanted.end(),
-              [](const Wanted& a, const Wanted& b) { return a.map != b.map ? a.map < b.map : a.gain > b.gain; });
-    for (size_t i = 0; i < wanted.size(); ++i) {
-        if (i > 0 && wanted[i].map == wanted[i - 1].map) continue;
-        const bool adjacent = !out.empty() && out.back().kind == RequestKind::kMaps && out.back().to == wanted[i].map;
-        if (!adjacent) {
+    const double pixels =
+        std::min<double>((before - dictionary.texel_error(piece)) * tile.pixels_per_metre, camera_.height);
+    return std::max(pixels, kLeastGain) * screen_area(record.bounds, tile.pixels_per_metre, camera_);
+}
+
+/// Wanted levels that are neither here nor under way, in the order of the entry; of a level that several tiles want,
+/// the greatest gain.
+std::vector<Planner::WantedPiece> Planner::missing_pieces(const std::vector<SelectedTile>& tiles) const {
+    std::vector<WantedPiece> wanted;
+    for (const SelectedTile& tile : tiles) {
+        each_wanted_piece(knowledge_, tile, [&](MapPiece piece) {
+            if (!is_here(piece) && !cache_.at(map_key(piece)).requested)
+                wanted.push_back({piece, map_gain(tile, piece)});
+        });
+    }
+    std::sort(wanted.begin(), wanted.end(), [](const WantedPiece& a, const WantedPiece& b) {
+        return a.piece != b.piece ? a.piece < b.piece : a.gain > b.gain;
+    });
+    const auto same = [](const WantedPiece& a, const WantedPiece& b) { return a.piece == b.piece; };
+    wanted.erase(std::unique(wanted.begin(), wanted.end(), same), wanted.end());
+    return wanted;
+}
+
+/// Whether the payloads of [from, to) may come along: few bytes that are neither here nor under way.
+bool Planner::can_bridge(MapPiece from, MapPiece to) const {
+    if (knowledge_.dictionary.begin(to) - knowledge_.dictionary.begin(from) > kBridgedGap) return false;
+    for (MapPiece piece = from; piece != to; piece = knowledge_.dictionary.next(piece)) {
+        const CachedLayer* entry = cache_.find(map_key(piece));
+        const bool asked = entry != nullptr && entry->requested;
+        if (is_here(piece) || asked || !knowledge_.dictionary.usable(piece)) return false;
+    }
+    return true;
+}
+
+/// Missing levels of maps, neighbours in the entry as one range.
+void Planner::add_maps(const std::vector<SelectedTile>& tiles, bool bridge_gaps) {
+    const FacadeDictionary& dictionary = knowledge_.dictionary;
+    const size_t first = out.size();
+    for (const WantedPiece& wanted : missing_pieces(tiles)) {
+        const bool joins = out.size() > first &&
+                           (out.back().to == wanted.piece || (bridge_gaps && can_bridge(out.back().to, wanted.piece)));
+        if (!joins) {
             PlannedRequest request;
             request.kind = RequestKind::kMaps;
-            request.from = wanted[i].map;
-            request.offset = knowledge_.map_begin(wanted[i].map);
+            request.from = wanted.piece;
+            request.offset = dictionary.begin(wanted.piece);
             out.push_back(request);
         }
         PlannedRequest& request = out.back();
-        request.to = wanted[i].map + 1;
-        request.length += knowledge_.map_wire_bytes(wanted[i].map);
-        request.priority += wanted[i].gain;
+        request.to = dictionary.next(wanted.piece);
+        request.length = dictionary.record_of(wanted.piece).end - request.offset;
+        request.priority += wanted.gain;
     }
-    for (PlannedRequest& request : out) {
-        if (request.kind == RequestKind::kMaps)
-            request.priority /= static_cast<double>(std::max<uint64_t>(1, request.length));
+    for (size_t i = first; i < out.size(); ++i) {
+        out[i].priority /= static_cast<double>(std::max<uint64_t>(1, out[i].length));
     }
 }
 
@@ -173,11 +214,11 @@ std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const
 
     bool relief = false;
     for (const SelectedTile& tile : tiles) {
-        if (tile.steps_of(Layer::kFacade) == 0) continue;
+        if (!tile.has_relief()) continue;
         relief = true;
         planner.add_layer(tile, Layer::kFacade, false);
     }
-    const bool index_missing = relief && knowledge.maps.empty() && directory.manifest().facade_map_count > 0;
+    const bool index_missing = relief && !knowledge.dictionary.known() && directory.manifest().facade_map_count > 0;
     if (index_missing && !options.facade_index_requested) planner.add_facade_index();
     order(planner.out);
     if (options.directory_first && !planner.out.empty()) return std::move(planner.out);
@@ -187,7 +228,7 @@ std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const
         if (tile.steps_of(Layer::kMesh) > 0) planner.add_layer(tile, Layer::kMesh, first);
         if (tile.steps_of(Layer::kAtlas) > 0) planner.add_layer(tile, Layer::kAtlas, first);
     }
-    if (!knowledge.maps.empty()) planner.add_maps(tiles);
+    if (knowledge.dictionary.known()) planner.add_maps(tiles, options.bridge_gaps);
     order(planner.out);
     return std::move(planner.out);
 }

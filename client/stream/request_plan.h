@@ -12,14 +12,14 @@ namespace citystream::client {
 
 enum class RequestKind : uint8_t { kSubtree, kFacadeIndex, kLayer, kMaps };
 
-/// One range request: the bytes between the resident and the wanted prefix of a layer, adjacent facade maps, or a piece
-/// of the directory.
+/// One range request: the bytes between the resident and the wanted prefix of a layer, neighbouring levels of facade
+/// maps, or a piece of the directory.
 struct PlannedRequest {
     RequestKind kind = RequestKind::kLayer;
     tiles::tileset::TileAddress subtree;
     NodeIndex node = kNoNode;
     tiles::tileset::Layer layer = tiles::tileset::Layer::kMesh;
-    uint32_t from = 0, to = 0;  ///< steps [from, to), or maps
+    uint32_t from = 0, to = 0;  ///< steps [from, to), or pieces of the dictionary (MapPiece)
     uint64_t offset = 0, length = 0;
     double priority = 0;
 };
@@ -33,7 +33,12 @@ struct PlanOptions {
     /// here.
     bool coarse_first = false;
     bool facade_index_requested = false;
+    /// Levels of maps that few bytes part are one range; what lies between comes along.
+    bool bridge_gaps = true;
 };
+
+/// Bytes between two wanted levels of maps that cost less than the heads of one more request and its answer.
+inline constexpr uint64_t kBridgedGap = 256;
 
 /// Priority of directory pieces: before any layer but the first tile's.
 inline constexpr double kDirectoryPriority = 1e250;

@@ -1,7 +1,6 @@
 #include "client/stream/tile_residency.h"
 
 #include <algorithm>
-#include <chrono>
 
 namespace citystream::client {
 
@@ -12,37 +11,6 @@ using tiles::tileset::StepRecord;
 using tiles::tileset::TileRecord;
 
 namespace {
-
-/// Adds the time of its life to a counter.
-class Stopwatch {
-  public:
-    explicit Stopwatch(double& milliseconds) : milliseconds_(milliseconds) {}
-    ~Stopwatch() {
-        milliseconds_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin_).count();
-    }
-    Stopwatch(const Stopwatch&) = delete;
-    Stopwatch& operator=(const Stopwatch&) = delete;
-
-  private:
-    double& milliseconds_;
-    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
-
-/// Decode buffers, counted while they live.
-class Scratch {
-  public:
-    Scratch(HostMemory& host, uint64_t bytes) : host_(host), bytes_(bytes) {
-        host_.scratch += bytes_;
-        host_.note_peak();
-    }
-    ~Scratch() { host_.scratch -= bytes_; }
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
-
-  private:
-    HostMemory& host_;
-    uint64_t bytes_;
-};
 
 uint64_t step_begin(const std::vector<StepRecord>& steps, uint32_t step) {
     return step == 0 ? 0 : steps[step - 1].end;
@@ -59,10 +27,6 @@ void TileResidency::grow() {
     host_.note_peak();
 }
 
-void TileResidency::warn(const std::string& text) {
-    if (warned_.insert(text).second) warnings_.push_back(text);
-}
-
 void TileResidency::damaged(CachedLayer& entry, NodeIndex node, Layer layer, uint32_t step, const std::string& why) {
     cache_.drop_wire_from(entry, step);
     if (entry.store_steps > step) cache_.drop_store(entry);
@@ -72,16 +36,8 @@ void TileResidency::damaged(CachedLayer& entry, NodeIndex node, Layer layer, uin
     const char* consequence = layer == Layer::kFacade ? "its facades are drawn flat"
                               : step > 0              ? "the tile is drawn coarser"
                                                       : "the tile is drawn from its parent";
-    warn(layer_path(layer, directory_.node(node).record->address) + ": step " + std::to_string(step) + " is damaged (" +
-         why + ", also on the second try); " + consequence);
-}
-
-void TileResidency::damaged_map(CachedLayer& entry, uint32_t map, const std::string& why) {
-    cache_.drop_wire_from(entry, 0);
-    if (++entry.damages < 2) return;
-    knowledge_.broken_maps[map] = true;
-    warn("facades/maps: map " + std::to_string(map) + " is damaged (" + why +
-         ", also on the second try); its facades are drawn flat");
+    warnings_.add(layer_path(layer, directory_.node(node).record->address) + ": step " + std::to_string(step) +
+                  " is damaged (" + why + ", also on the second try); " + consequence);
 }
 
 void TileResidency::accept_layer(NodeIndex node, Layer layer, uint32_t from, uint32_t to,
@@ -102,21 +58,6 @@ void TileResidency::accept_layer(NodeIndex node, Layer layer, uint32_t from, uin
         cache_.add_wire(entry, {part.begin(), part.end()}, keep);
     }
     if (layer == Layer::kFacade && entry.wire_steps == steps.size()) learn_facade_maps(node);
-}
-
-void TileResidency::accept_maps(uint32_t first, uint32_t last, std::span<const std::byte> bytes) {
-    uint64_t at = 0;
-    for (uint32_t map = first; map < last; ++map) {
-        CachedLayer& entry = cache_.at(map_key(map));
-        const auto part = bytes.subspan(at, knowledge_.map_wire_bytes(map));
-        at += part.size();
-        if (entry.wire_steps > 0) continue;
-        if (checksum_of(part.data(), part.size()) != knowledge_.maps[map].checksum) {
-            damaged_map(entry, map, "checksum differs");
-        } else {
-            cache_.add_wire(entry, {part.begin(), part.end()}, decode_);
-        }
-    }
 }
 
 /// Which maps a tile uses is known as soon as its placements are here, before anything is drawn: the budget counts
@@ -146,9 +87,6 @@ void TileResidency::upload(const SelectedTile& wanted) {
     for (const Layer layer : {Layer::kAtlas, Layer::kMesh, Layer::kFacade}) {
         upload_layer(wanted.node, layer, wanted.steps_of(layer));
     }
-    const TileKnowledge& known = knowledge_.tiles[wanted.node];
-    if (wanted.steps_of(Layer::kFacade) == 0 || !known.facade_maps_known || knowledge_.maps.empty()) return;
-    for (const uint32_t map : known.facade_maps) upload_map(map);
 }
 
 void TileResidency::upload_layer(NodeIndex node, Layer layer, uint32_t wanted) {
@@ -185,7 +123,7 @@ bool TileResidency::decode_to_store(CachedLayer& entry, NodeIndex node, Layer la
     }
     const Status appended = cache_.append(entry, std::span(prefix.words).subspan(entry.store_bytes / 4), steps);
     if (!appended) {
-        warn(layer_path(layer, directory_.node(node).record->address) + ": " + appended.error().text());
+        warnings_.add(layer_path(layer, directory_.node(node).record->address) + ": " + appended.error().text());
         return false;
     }
     remember(node, layer, steps, facts);
@@ -206,31 +144,6 @@ void TileResidency::remember(NodeIndex node, Layer layer, uint32_t steps, LayerF
     }
 }
 
-void TileResidency::upload_map(uint32_t map) {
-    CachedLayer* entry = cache_.find(map_key(map));
-    if (entry == nullptr || entry->wire_steps == 0 || entry->store_steps > 0) return;
-    const uint32_t decoded = knowledge_.maps[map].decoded_bytes;
-    if (!cache_.free_slots(cache_.slots_for(decoded))) return;
-    const Stopwatch watch(counters_.decode_ms);
-    if (!decode_) {
-        if (cache_.append_zeros(*entry, decoded, 1)) counters_.decoded_bytes += decoded;
-        return;
-    }
-    cache_.free_host(uint64_t{2} * decoded);
-    const Scratch scratch(host_, uint64_t{2} * decoded);
-    const auto words = decode_map(entry->wire[0], decoded);
-    if (!words) {
-        damaged_map(*entry, map, words.error().text());
-        return;
-    }
-    const Status appended = cache_.append(*entry, *words, 1);
-    if (!appended) {
-        warn("facades/maps: map " + std::to_string(map) + ": " + appended.error().text());
-        return;
-    }
-    counters_.decoded_bytes += decoded;
-}
-
 bool TileResidency::drawable(NodeIndex node) {
     const TileRecord& record = *directory_.node(node).record;
     for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
@@ -244,17 +157,15 @@ bool TileResidency::drawable(NodeIndex node) {
     return true;
 }
 
-bool TileResidency::relief_drawable(NodeIndex node) {
+bool TileResidency::relief_drawable(NodeIndex node, const MapDemand& demand) {
     const TileKnowledge& known = knowledge_.tiles[node];
     const CachedLayer* entry = cache_.find(layer_key(node, Layer::kFacade));
     if (entry == nullptr || entry->store_steps == 0 || !known.facade_maps_known) return false;
-    return std::all_of(known.facade_maps.begin(), known.facade_maps.end(), [&](uint32_t map) {
-        const CachedLayer* held = cache_.find(map_key(map));
-        return held != nullptr && held->store_steps > 0;
-    });
+    return std::all_of(known.facade_maps.begin(), known.facade_maps.end(),
+                       [&](uint32_t map) { return maps_.to_draw(map, demand) != nullptr; });
 }
 
-TileDraw TileResidency::draw(NodeIndex node, const std::array<uint8_t, kLayerCount>& steps) {
+TileDraw TileResidency::draw(NodeIndex node, const std::array<uint8_t, kLayerCount>& steps, const MapDemand& demand) {
     const TileRecord& record = *directory_.node(node).record;
     const Facts& facts = facts_[node];
     const GridPoint origin = directory_.manifest().tile_origin(record);
@@ -275,15 +186,15 @@ TileDraw TileResidency::draw(NodeIndex node, const std::array<uint8_t, kLayerCou
         const uint32_t wanted = std::max<uint32_t>(1, steps[static_cast<size_t>(Layer::kAtlas)]);
         out.atlas_finest_mip = facts.coarsest_step_mip - (std::min(wanted, atlas->store_steps) - 1);
     }
-    if (steps[static_cast<size_t>(Layer::kFacade)] == 0 || !relief_drawable(node)) return out;
+    if (steps[static_cast<size_t>(Layer::kFacade)] == 0 || !relief_drawable(node, demand)) return out;
     CachedLayer& facade = cache_.at(layer_key(node, Layer::kFacade));
     cache_.mark_drawn(facade);
     out.facade = facade.id;
     out.facade_placements = facts.placements;
     for (const uint32_t map : knowledge_.tiles[node].facade_maps) {
-        CachedLayer& held = cache_.at(map_key(map));
+        CachedLayer& held = *maps_.to_draw(map, demand);
         cache_.mark_drawn(held);
-        out.facade_maps.push_back({map, held.id});
+        out.facade_maps.push_back({map, held.id, level_of(piece_of(held.key))});
     }
     return out;
 }

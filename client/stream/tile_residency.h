@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -11,14 +10,11 @@
 #include "client/select/city_knowledge.h"
 #include "client/select/selection.h"
 #include "client/stream/layer_decoder.h"
+#include "client/stream/map_residency.h"
+#include "client/stream/residency_counters.h"
+#include "client/stream/warnings.h"
 
 namespace citystream::client {
-
-/// Counters that a frame reports.
-struct ResidencyCounters {
-    uint64_t decoded_bytes = 0;
-    double decode_ms = 0;
-};
 
 /// One thread. A layer is a prefix of steps; a step is accepted when its checksum is right and enters the store when
 /// the codec has checked it. Bytes that fail either are dropped: the first time they are asked for again, the second
@@ -26,8 +22,15 @@ struct ResidencyCounters {
 class TileResidency {
   public:
     TileResidency(const DirectoryCache& directory, CityKnowledge& knowledge, LayerCache& cache, HostMemory& host,
-                  bool decode)
-        : directory_(directory), knowledge_(knowledge), cache_(cache), host_(host), decode_(decode) {}
+                  MapResidency& maps, Warnings& warnings, ResidencyCounters& counters, bool decode)
+        : directory_(directory),
+          knowledge_(knowledge),
+          cache_(cache),
+          host_(host),
+          maps_(maps),
+          warnings_(warnings),
+          counters_(counters),
+          decode_(decode) {}
 
     /// Follows the directory's growth.
     void grow();
@@ -35,27 +38,21 @@ class TileResidency {
     /// Takes the bytes of steps [from, to) of a layer.
     void accept_layer(NodeIndex node, tiles::tileset::Layer layer, uint32_t from, uint32_t to,
                       std::span<const std::byte> bytes);
-    /// Takes the frames of maps [first, last).
-    void accept_maps(uint32_t first, uint32_t last, std::span<const std::byte> bytes);
 
-    /// Brings what is received of the tile's wanted prefixes, and of its maps, to the store; atlas first, for it knows
-    /// the charts.
+    /// Brings what is received of the tile's wanted prefixes to the store; atlas first, for it knows the charts.
     void upload(const SelectedTile& wanted);
 
     /// Mesh and atlas have at least their first steps in the store (a tile without mesh has nothing to draw).
     bool drawable(NodeIndex node);
-    /// Placements and all their maps are in the store.
-    bool relief_drawable(NodeIndex node);
+    /// Placements and some level of all their maps are in the store.
+    bool relief_drawable(NodeIndex node, const MapDemand& demand);
     bool has_mesh(NodeIndex node) const {
         return !directory_.node(node).record->steps(tiles::tileset::Layer::kMesh).empty();
     }
-    /// The tile with the given steps of each layer, or fewer where fewer are in the store. Marks its layers as drawn.
-    TileDraw draw(NodeIndex node, const std::array<uint8_t, tiles::tileset::kLayerCount>& steps);
-
-    /// Counts a damage or a failure for a person, once per text.
-    void warn(const std::string& text);
-    std::vector<std::string> take_warnings() { return std::exchange(warnings_, {}); }
-    ResidencyCounters take_counters() { return std::exchange(counters_, {}); }
+    /// The tile with the given steps of each layer, or fewer where fewer are in the store, and the levels of its maps
+    /// that come next to what is demanded. Marks its layers as drawn.
+    TileDraw draw(NodeIndex node, const std::array<uint8_t, tiles::tileset::kLayerCount>& steps,
+                  const MapDemand& demand);
 
   private:
     struct Facts {
@@ -66,22 +63,20 @@ class TileResidency {
         uint32_t placements = 0;
     };
     void damaged(CachedLayer& layer, NodeIndex node, tiles::tileset::Layer kind, uint32_t step, const std::string& why);
-    void damaged_map(CachedLayer& layer, uint32_t map, const std::string& why);
     void learn_facade_maps(NodeIndex node);
     void upload_layer(NodeIndex node, tiles::tileset::Layer layer, uint32_t wanted);
     bool decode_to_store(CachedLayer& entry, NodeIndex node, tiles::tileset::Layer layer, uint32_t steps);
-    void upload_map(uint32_t map);
     void remember(NodeIndex node, tiles::tileset::Layer layer, uint32_t steps, LayerFacts& facts);
 
     const DirectoryCache& directory_;
     CityKnowledge& knowledge_;
     LayerCache& cache_;
     HostMemory& host_;
+    MapResidency& maps_;
+    Warnings& warnings_;
+    ResidencyCounters& counters_;
     bool decode_;
     std::vector<Facts> facts_;
-    std::set<std::string> warned_;
-    std::vector<std::string> warnings_;
-    ResidencyCounters counters_;
 };
 
 }  // namespace citystream::client

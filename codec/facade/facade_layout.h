@@ -1,24 +1,8 @@
-// Word layouts of facade maps and of a tile's facade layer, shared by C++ and GLSL. FORMAT.md beside this file explains
-// them.
+// Word layout of a tile's facade layer, shared by C++ and GLSL. FORMAT.md beside this file explains it.
 #ifndef CITYSTREAM_CODEC_FACADE_LAYOUT_H
 #define CITYSTREAM_CODEC_FACADE_LAYOUT_H
 
-#define FACADE_MAP_MAGIC 0x31465343u   /* "CSF1" */
 #define FACADE_LAYER_MAGIC 0x31505343u /* "CSP1" */
-
-/* A facade map: the displacement and material matrices on the grid of their distinct runs. Lengths are in texels (1
- * cm). */
-#define FACADE_MAP_WORD_MAGIC 0
-#define FACADE_MAP_WORD_CELLS 1 /* columns of cells | rows of cells << 16 */
-#define FACADE_MAP_WORD_SIZE 2  /* width | height << 16, texels, 1..8192 */
-/* least displacement | greatest << 16, int16 millimetres, outwards positive */
-#define FACADE_MAP_WORD_DEPTHS 3
-#define FACADE_MAP_WORD_LABELS 4    /* label count | bits a cell << 16 */
-#define FACADE_MAP_WORD_OFFSETS 5   /* offset of y breaks | offset of labels << 16 */
-#define FACADE_MAP_WORD_CELL_DATA 6 /* offset of the packed labels, row by row from the bottom */
-/* x breaks follow: cells + 1 uint16, two a word, first 0, last = size; then y breaks; labels; cells */
-#define FACADE_MAP_HEADER_WORDS 8
-/* Label: displacement int16 mm | material slot << 16. */
 
 /* Facade layer of a tile: header, palette entries, placements. */
 #define FACADE_LAYER_WORD_MAGIC 0

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "client/cache/directory_cache.h"
@@ -29,15 +30,16 @@ constexpr const char* kClaim =
     "flights through a city at\n"
     "1280 x 720 and 1 pixel. ours: CityStreamer, directory and facade index counted. whole_tiles: the same tiles, "
     "every layer with all its\n"
-    "steps. leaves_only: every visible leaf with the prefix that the rule asks for, no coarser levels. everything: all "
+    "steps and exact maps. leaves_only: every visible leaf with the prefix that the rule asks for, no coarser levels. "
+    "everything: all "
     "leaves, all steps.\n"
     "The baselines' bytes are sums of the directory; all are put over the same drawn bytes. Below 1, a baseline\n"
     "receives less in sum than we do. frame_to_leaves_only: bytes that one camera's selection needs (to start, to "
     "keep) over those of its\n"
     "visible leaves. FILEs are cities or .3tz archives.";
-constexpr uint64_t kSlotBytes = 16 << 10;
 constexpr uint64_t kStoreBytes = uint64_t{1} << 30;
 constexpr double kTolerance = 1;
+constexpr MapDemand kExact = {0, std::nullopt};
 
 /// Bytes that a client without one of our means would receive: the longest prefix asked for of each layer, and maps
 /// once.
@@ -55,9 +57,10 @@ class Received {
             add_layer(node, layer, static_cast<uint32_t>(node.record->steps(layer).size()));
         }
     }
-    void add_maps(const std::vector<uint32_t>& maps) {
+    void add_maps(const std::vector<uint32_t>& maps, const MapDemand& demand) {
         for (const uint32_t map : maps) {
-            if (maps_.insert(map).second) bytes_ += knowledge_.map_wire_bytes(map);
+            const std::optional<MapPiece> piece = knowledge_.dictionary.wanted(map, demand);
+            if (piece && pieces_.insert(*piece).second) bytes_ += knowledge_.dictionary.wire_bytes(*piece);
         }
     }
     uint64_t bytes() const { return bytes_; }
@@ -65,7 +68,7 @@ class Received {
   private:
     const CityKnowledge& knowledge_;
     std::map<tiles::tileset::TileAddress, std::array<uint64_t, kLayerCount>> layers_;
-    std::set<uint32_t> maps_;
+    std::set<MapPiece> pieces_;
     uint64_t bytes_ = 0;
 };
 
@@ -101,7 +104,7 @@ KnownCity know(const SampleCity& city, BenchProgram& program) {
         program.check(known.directory.add_subtree(subtree.bytes, subtree.parsed.root).ok(),
                       "a subtree joins the directory");
     known.knowledge.tiles.resize(known.directory.nodes().size());
-    known.knowledge.maps = city.maps;
+    known.knowledge.dictionary.learn(city.maps);
     for (NodeIndex i = 0; i < known.directory.nodes().size(); ++i) {
         program.check(learn_maps(city, known.directory.node(i), known.knowledge.tiles[i]), "a facade layer decodes");
     }
@@ -124,7 +127,9 @@ void add_visible_leaves(const KnownCity& known, Selector& selector, Received& re
             const uint32_t usable = usable_steps(nodes[i], known.knowledge.tiles[i], layer);
             received.add_layer(nodes[i], layer,
                                shortest_prefix(nodes[i].record->steps(layer), usable, scale, kTolerance));
-            if (layer == Layer::kFacade) received.add_maps(known.knowledge.tiles[i].facade_maps);
+            if (layer == Layer::kFacade)
+                received.add_maps(known.knowledge.tiles[i].facade_maps,
+                                  {kTexelShare * kTolerance / scale, std::nullopt});
         }
     }
 }
@@ -138,7 +143,7 @@ Baselines baselines_of(const KnownCity& known, const Tour& tour) {
         const Selection chosen = selector.select(Camera::from_sample(sample, 1280, 720), kTolerance, kSlotBytes);
         for (const SelectedTile& tile : chosen.tiles) {
             whole.add_whole(nodes[tile.node]);
-            whole.add_maps(known.knowledge.tiles[tile.node].facade_maps);
+            whole.add_maps(known.knowledge.tiles[tile.node].facade_maps, kExact);
         }
         Received frame(known.knowledge);
         add_visible_leaves(known, selector, frame);
@@ -151,7 +156,7 @@ Baselines baselines_of(const KnownCity& known, const Tour& tour) {
     for (NodeIndex i = 0; i < nodes.size(); ++i) {
         if (!nodes[i].is_leaf()) continue;
         everything.add_whole(nodes[i]);
-        everything.add_maps(known.knowledge.tiles[i].facade_maps);
+        everything.add_maps(known.knowledge.tiles[i].facade_maps, kExact);
     }
     result.whole_tiles = whole.bytes();
     result.leaves_only = leaves.bytes();

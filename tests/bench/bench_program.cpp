@@ -32,6 +32,7 @@ bool BenchProgram::read_arguments(int argc, char** argv, BenchOptions& options) 
             ->capture_default_str();
         app.add_option("--seed", options.seed, "of the generated city")->capture_default_str();
     }
+    if (!description_.parts.empty()) app.add_flag("--split", options.split, description_.parts);
     app.add_option("--repetitions", options.repetitions, "of each measurement")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();

@@ -24,12 +24,14 @@ struct BenchOptions {
     uint32_t buildings = 500;  ///< of the generated city
     uint64_t seed = 1;
     int repetitions = 7;
+    bool split = false;  ///< parts of each case on lines of their own, too
 };
 
 struct BenchDescription {
     std::string name, claim;  ///< the claim is the help text: what is compared with what, and what the fields mean
     std::string files;        ///< what FILE arguments are; empty: the program takes none
     bool generates = true;    ///< has --buildings and --seed
+    std::string parts = {};   ///< what --split shows; empty: the program has no --split
 };
 
 class BenchProgram {

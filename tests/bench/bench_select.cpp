@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "client/cache/directory_cache.h"
+#include "client/cache/layer_store.h"
 #include "client/select/selection.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/camera_tours.h"
@@ -22,7 +23,6 @@ constexpr const char* kClaim =
     "that the walk looks at.\n"
     "FILEs are cities or .3tz archives (a 30,000-building one: citystream-build generate --buildings 30000 --layers "
     "mesh -o city.3tz).";
-constexpr uint64_t kSlotBytes = 16 << 10;
 
 /// One tile by the rule, from scratch.
 struct Judgement {
@@ -122,7 +122,7 @@ void measure_city(const std::string& name, const Result<SampleCity>& city, int r
         program.check(directory.add_subtree(subtree.bytes, subtree.parsed.root).ok(), "a subtree joins the directory");
     CityKnowledge knowledge;
     knowledge.tiles.resize(directory.nodes().size());
-    knowledge.maps = city->maps;
+    knowledge.dictionary.learn(city->maps);
     for (const double tolerance : {1.0, 4.0}) {
         for (const Tour& tour : tours_of(*city))
             measure_tour(name, tour, directory, knowledge, tolerance, repetitions, program);

@@ -15,6 +15,10 @@ double seconds_of(const std::function<void()>& work, int calls) {
 
 }  // namespace
 
+double seconds_of(const std::function<void()>& work) {
+    return seconds_of(work, 1);
+}
+
 Spread spread_of(std::vector<double> values) {
     if (values.empty()) return {};
     std::sort(values.begin(), values.end());

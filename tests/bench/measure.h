@@ -20,6 +20,9 @@ Spread spread_of(std::vector<double> values);
 std::vector<std::vector<double>> time_in_turn(std::span<const std::function<void()>> candidates, int repetitions,
                                               double least_seconds = 0.01);
 
+/// Seconds of one call.
+double seconds_of(const std::function<void()>& work);
+
 /// Spread of a[i] / b[i].
 Spread ratio_of(std::span<const double> a, std::span<const double> b);
 

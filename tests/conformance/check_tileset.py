@@ -306,6 +306,11 @@ class Checker:
         listed = sum(1 for name in self.sizes if name.startswith("subtrees/"))
         self.expect(listed == self.subtrees, f"{listed} subtrees in the archive, {self.subtrees} reachable")
         index = self.extension["facadeDictionary"]
+        self.expect(isinstance(index["madeUp"], bool), "facadeDictionary.madeUp is neither true nor false")
+        # 9 bytes a map and 16 a level, of which a map has one to four.
+        level_bytes = int(index["indexDecodedBytes"]) - 9 * int(index["count"])
+        self.expect(level_bytes % 16 == 0 and int(index["count"]) <= level_bytes // 16 <= 4 * int(index["count"]),
+                    "facadeDictionary: indexDecodedBytes does not fit the number of maps")
         if int(index["count"]) > 0:
             self.expect(self.sizes.get(index["indexUri"]) == int(index["indexBytes"]), "facades/index: size")
             self.expect(index["mapsUri"] in self.sizes, "facades/maps is missing")

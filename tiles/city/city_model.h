@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "codec/facade/facade_layout.h"
+#include "tiles/city/facade_catalog.h"
 
 namespace citystream::tiles::city {
 
@@ -64,8 +65,7 @@ struct FacadePalette {
 struct CityCatalog {
     std::vector<Material> materials;
     std::vector<ImageSource> images;
-    std::vector<std::vector<uint32_t>>
-        facade_maps;  ///< encoded words (codec/facade/facade_map.h), each distinct map once
+    FacadeCatalog facade_maps;  ///< their materials are slots 0..15 of a palette
     std::vector<FacadePalette> palettes;
 
     /// Index of an equal material, appended when new.

@@ -1,10 +1,8 @@
 #include "tiles/city/generator_buildings.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
-#include "codec/facade/facade_map.h"
 #include "tiles/city/generator_mesh.h"
 #include "tiles/city/generator_roofs.h"
 #include "tiles/city/grammar.h"
@@ -215,21 +213,7 @@ const std::vector<uint32_t>& palettes_for(const MaterialSet& materials, FacadeUs
 uint32_t FacadeDictionary::map_of(const FacadeSpec& spec) {
     const auto known = by_spec_.find(spec);
     if (known != by_spec_.end()) return known->second;
-    auto encoded = codec::facade::encode_facade_map(derive_facade(spec, seed_));
-    if (!encoded) throw std::logic_error("generated facade cannot be encoded: " + encoded.error().text());
-    uint64_t key = 0;
-    for (uint32_t word : *encoded) key = mix(key ^ word);
-    std::vector<uint32_t>& same_hash = by_hash_[key];
-    const auto equal = std::find_if(same_hash.begin(), same_hash.end(),
-                                    [&](uint32_t map) { return catalog_.facade_maps[map] == *encoded; });
-    uint32_t map = 0;
-    if (equal != same_hash.end()) {
-        map = *equal;
-    } else {
-        map = static_cast<uint32_t>(catalog_.facade_maps.size());
-        catalog_.facade_maps.push_back(std::move(*encoded));
-        same_hash.push_back(map);
-    }
+    const uint32_t map = catalog_.facade_maps.add(derive_facade(spec, seed_));
     by_spec_.emplace(spec, map);
     return map;
 }

@@ -10,19 +10,17 @@
 
 namespace citystream::tiles::city::procedural {
 
-/// Derives and encodes each distinct facade once; equal maps of different specs share an index.
+/// Derives each distinct facade once; equal maps of different specs share an index.
 class FacadeDictionary {
   public:
     FacadeDictionary(CityCatalog& catalog, uint64_t seed) : catalog_(catalog), seed_(seed) {}
-    /// Index in catalog.facade_maps. Throws std::logic_error if the codec rejects a derived facade (a bug of the
-    /// grammar).
+    /// Index in catalog.facade_maps.
     uint32_t map_of(const FacadeSpec& spec);
 
   private:
     CityCatalog& catalog_;
     uint64_t seed_;
     std::map<FacadeSpec, uint32_t> by_spec_;
-    std::map<uint64_t, std::vector<uint32_t>> by_hash_;
 };
 
 class BuildingMaker {

@@ -94,7 +94,7 @@ void Canvas::fill(const Rect& rect, int displacement_mm, Slot slot) {
     if (!inside.empty()) fills_.push_back({inside, static_cast<int16_t>(displacement_mm), slot});
 }
 
-codec::facade::FacadeImage Canvas::rasterise() const {
+codec::facade::RunGrid Canvas::relief() const {
     std::vector<int> xs, ys;
     for (const Fill& fill : fills_) {
         xs.insert(xs.end(), {fill.rect.x0, fill.rect.x1});
@@ -102,34 +102,16 @@ codec::facade::FacadeImage Canvas::rasterise() const {
     }
     sort_unique(xs);
     sort_unique(ys);
-    const size_t cell_columns = xs.size() - 1, cell_rows = ys.size() - 1;
-    std::vector<const Fill*> cells(cell_columns * cell_rows);
+    codec::facade::RunGrid grid{{xs.begin(), xs.end()}, {ys.begin(), ys.end()}, {}};
+    const size_t columns = grid.columns();
+    grid.labels.resize(columns * grid.rows());
     for (const Fill& fill : fills_) {
         const size_t left = index_of(xs, fill.rect.x0), right = index_of(xs, fill.rect.x1);
+        const uint32_t label = codec::facade::make_label(fill.displacement_mm, static_cast<uint32_t>(fill.slot));
         for (size_t row = index_of(ys, fill.rect.y0), top = index_of(ys, fill.rect.y1); row < top; ++row)
-            std::fill(cells.begin() + static_cast<std::ptrdiff_t>(row * cell_columns + left),
-                      cells.begin() + static_cast<std::ptrdiff_t>(row * cell_columns + right), &fill);
+            std::fill_n(&grid.labels[row * columns + left], right - left, label);
     }
-    codec::facade::FacadeImage image;
-    image.width = static_cast<uint32_t>(width_);
-    image.height = static_cast<uint32_t>(height_);
-    const size_t texels = size_t{image.width} * image.height;
-    image.displacement_mm.reserve(texels);
-    image.material.reserve(texels);
-    std::vector<int16_t> depths(image.width);
-    std::vector<uint8_t> slots(image.width);
-    for (size_t row = 0; row < cell_rows; ++row) {
-        for (size_t column = 0; column < cell_columns; ++column) {
-            const Fill& fill = *cells[row * cell_columns + column];
-            std::fill(depths.begin() + xs[column], depths.begin() + xs[column + 1], fill.displacement_mm);
-            std::fill(slots.begin() + xs[column], slots.begin() + xs[column + 1], static_cast<uint8_t>(fill.slot));
-        }
-        for (int y = ys[row]; y < ys[row + 1]; ++y) {
-            image.displacement_mm.insert(image.displacement_mm.end(), depths.begin(), depths.end());
-            image.material.insert(image.material.end(), slots.begin(), slots.end());
-        }
-    }
-    return image;
+    return codec::facade::merge_equal_runs(grid);
 }
 
 }  // namespace citystream::tiles::city::procedural

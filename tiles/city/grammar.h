@@ -7,7 +7,7 @@
 #include <initializer_list>
 #include <vector>
 
-#include "codec/facade/facade_map.h"
+#include "codec/facade/run_grid.h"
 
 namespace citystream::tiles::city::procedural {
 
@@ -67,8 +67,8 @@ class Canvas {
     Rect bounds() const { return {0, 0, width_, height_}; }
     /// The part of `rect` inside the canvas gets this displacement and slot; what was there is forgotten.
     void fill(const Rect& rect, int displacement_mm, Slot slot);
-    /// The matrices, once everything is painted. O(texels) and O(fills x cells).
-    codec::facade::FacadeImage rasterise() const;
+    /// The relief, once everything is painted, on its coarsest grid. O(fills x cells), whatever the texels.
+    codec::facade::RunGrid relief() const;
 
   private:
     struct Fill {

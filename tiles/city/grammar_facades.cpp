@@ -33,7 +33,7 @@ Storeys storeys_of(FacadeUse use, FacadeSection section, int variant, int floors
     return {};
 }
 
-codec::facade::FacadeImage derive_facade(const FacadeSpec& spec, uint64_t seed) {
+codec::facade::RunGrid derive_facade(const FacadeSpec& spec, uint64_t seed) {
     const Storeys storeys = storeys_of(spec.use, spec.section, spec.variant, spec.floors);
     Canvas canvas(spec.width_cm, storeys.height_cm());
     // One stream for what a style shares over all its walls, one for what differs from wall to wall.
@@ -60,7 +60,7 @@ codec::facade::FacadeImage derive_facade(const FacadeSpec& spec, uint64_t seed) 
             derive_garage(canvas);
             break;
     }
-    return canvas.rasterise();
+    return canvas.relief();
 }
 
 }  // namespace citystream::tiles::city::procedural

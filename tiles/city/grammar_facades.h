@@ -5,7 +5,7 @@
 #include <compare>
 #include <cstdint>
 
-#include "codec/facade/facade_map.h"
+#include "codec/facade/run_grid.h"
 
 namespace citystream::tiles::city::procedural {
 
@@ -37,7 +37,8 @@ struct Storeys {
 };
 Storeys storeys_of(FacadeUse use, FacadeSection section, int variant, int floors);
 
-/// Derives the facade: width_cm x storeys_of(spec).height_cm() texels, displacement >= 0 along the border. O(texels).
-codec::facade::FacadeImage derive_facade(const FacadeSpec& spec, uint64_t seed);
+/// Derives the facade: width_cm x storeys_of(spec).height_cm() texels, displacement >= 0 along the border. On its
+/// coarsest grid; time does not depend on the texels.
+codec::facade::RunGrid derive_facade(const FacadeSpec& spec, uint64_t seed);
 
 }  // namespace citystream::tiles::city::procedural

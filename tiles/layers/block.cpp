@@ -245,7 +245,7 @@ std::optional<BuildObject> make_block(const BuildObject& object, double allowed,
     const size_t triangles = object.triangles.size() + kFacadeTriangles * object.facades.size();
     // What is measured takes facades as flat, so their relief is lost on top of it.
     double relief = 0;
-    for (const BuildFacade& facade : object.facades) relief = std::max(relief, facades.facts(facade.map).depth_metres);
+    for (const BuildFacade& facade : object.facades) relief = std::max(relief, facades.facts(facade.map).flat_loss());
     const double limit = (allowed - relief) * kGridUnitsPerMetre;
     if (limit <= 0) return std::nullopt;
     if (triangles <= 10) return std::nullopt;  // a box has ten: four walls and a roof

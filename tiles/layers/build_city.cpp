@@ -1,5 +1,6 @@
 #include "tiles/layers/build_city.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -26,7 +27,10 @@ uint64_t peak_memory() {
 /// One build from start to end; its members are what the passes share.
 class CityBuild {
   public:
-    CityBuild(const BuildOptions& options, city::CityReport& report) : options_(options), report_(report) {}
+    CityBuild(const BuildOptions& options, city::CityReport& report) : options_(options), report_(report) {
+        if (options_.dress_seed) dresser_.emplace(*options_.dress_seed, catalog_);
+        if (options_.extract_relief) extractor_.emplace(catalog_, ReliefExtractionOptions{});
+    }
 
     Result<BuildSummary> run(const CitySource& source) {
         const auto begin = std::chrono::steady_clock::now();
@@ -40,6 +44,8 @@ class CityBuild {
         if (reference_) summary.reference_bytes = std::filesystem::file_size(options_.reference);
         summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         summary.peak_memory_bytes = peak_memory();
+        if (dresser_) summary.dressing = dresser_->report();
+        if (extractor_ && extractor_->report().buildings > 0) summary.relief = extractor_->report();
         return summary;
     }
 
@@ -60,6 +66,9 @@ class CityBuild {
         auto content = quadtree::SpoolFile::create(folder_->path() + "/content");
         if (!content) return content.error();
         content_spool_ = std::move(content).value();
+        auto facades = quadtree::SpoolFile::create(folder_->path() + "/facades");
+        if (!facades) return facades.error();
+        facade_spool_ = std::move(facades).value();
         if (options_.reference.empty()) return Done{};
         auto reference = ReferenceWriter::create(options_.reference, folder_->path());
         if (!reference) return reference.error();
@@ -72,9 +81,7 @@ class CityBuild {
     Status take_objects(const CitySource& source) {
         std::optional<Error> failed;
         const Status read = source(header_, catalog_, report_, [&](city::CityObject&& object) {
-            Status status = objects_->add(object, catalog_, report_);
-            if (status && reference_) status = reference_->add(object);
-            if (!status) failed = status.error();
+            if (Status status = take(object); !status) failed = status.error();
             if (cancelled()) failed = Error{"interrupted"};
             return !failed;
         });
@@ -84,21 +91,36 @@ class CityBuild {
         return Done{};
     }
 
+    /// Made-up facades are part of the city; extracted ones only another form of what the reference shows as triangles.
+    Status take(city::CityObject& object) {
+        if (dresser_) dresser_->dress(object);
+        if (reference_) {
+            if (Status status = reference_->add(object); !status) return status;
+        }
+        if (extractor_) extractor_->extract(object);
+        return objects_->add(object, catalog_, report_);
+    }
+
     Status build() {
         const bool made_up_ground = options_.auto_ground && !objects_->has_ground();
         auto tree = quadtree::make_tile_tree(*objects_, {options_.leaf_triangles, made_up_ground});
         if (!tree) return tree.error();
         ImageCache images(catalog_, static_cast<size_t>(options_.memory_limit / 6));
         FacadePainter facades(catalog_, images);
+        const auto numbers = number_facades(*objects_, catalog_.facade_maps, options_.merge_tolerance_mm);
+        if (!numbers) return numbers.error();
+        const auto dictionary = encode_facades(*numbers);
+        if (!dictionary) return dictionary.error();
         Preview preview(objects_->extent(), images);
-        const TileWorkshop workshop{catalog_, images, facades, options_.layers, tree->origin};
+        const TileWorkshop workshop{catalog_, images, facades, *numbers, options_.layers, tree->origin};
         auto tiles = build_tiles(
             {options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, preview, made_up_ground});
         if (!tiles) return tiles.error();
         fill_manifest(*tree, tiles->front().record.bounds, made_up_ground);
+        manifest_.build_options += merging_text(*numbers);
         const std::vector<std::byte> picture = preview.encode(folder_->path() + "/preview.png");
-        if (Status status =
-                write_city_archive({manifest_, *tree, *tiles, *layer_spool_, catalog_, facades, picture, options_});
+        if (Status status = write_city_archive(
+                {manifest_, *tree, *tiles, *layer_spool_, *dictionary, *facade_spool_, picture, options_});
             !status)
             return status;
         for (city::Defect& defect : images.take_defects()) report_.add(std::move(defect));
@@ -108,6 +130,18 @@ class CityBuild {
                 return status;
         }
         return reference_->finish(catalog_, facades, objects_->extent(), tree->origin);
+    }
+
+    /// The dictionary; empty where no tile will name its maps.
+    Result<EncodedFacades> encode_facades(const FacadeNumbers& numbers) {
+        if (!options_.layers[static_cast<size_t>(tileset::Layer::kFacade)]) return EncodedFacades();
+        return EncodedFacades::encode(numbers, catalog_.facade_maps, options_, *facade_spool_);
+    }
+
+    std::string merging_text(const FacadeNumbers& numbers) const {
+        if (options_.merge_tolerance_mm == 0) return {};
+        return fmt::format(" merge-tolerance={}mm ({} maps merged, {} mm apart at most)", options_.merge_tolerance_mm,
+                           numbers.merged, numbers.greatest_difference_mm);
     }
 
     void fill_manifest(const quadtree::TileTree& tree, const tileset::Bounds& drawn, bool made_up_ground) {
@@ -130,6 +164,7 @@ class CityBuild {
         manifest_.root_geometric_error = std::max(std::sqrt(square), 1.0);
         manifest_.buildings = report_.buildings_emitted;
         manifest_.facades = objects_->facades();
+        manifest_.facades_made_up = dresser_ && dresser_->report().facades > 0;
         manifest_.build_options = options_.description + (made_up_ground ? " ground=made-up" : "");
     }
 
@@ -137,10 +172,12 @@ class CityBuild {
     city::CityReport& report_;
     city::CityHeader header_;
     city::CityCatalog catalog_;
+    std::optional<Dresser> dresser_;
+    std::optional<ReliefExtractor> extractor_;
     tileset::Manifest manifest_;
     std::unique_ptr<quadtree::SpoolFolder> folder_;  // before the files in it, so that it goes last
     std::unique_ptr<quadtree::ObjectSpool> objects_;
-    std::unique_ptr<quadtree::SpoolFile> layer_spool_, content_spool_;
+    std::unique_ptr<quadtree::SpoolFile> layer_spool_, content_spool_, facade_spool_;
     std::unique_ptr<ReferenceWriter> reference_;
 };
 

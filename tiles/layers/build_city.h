@@ -5,11 +5,14 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "codec/result.h"
 #include "tiles/city/city_model.h"
+#include "tiles/layers/dress.h"
+#include "tiles/layers/relief_extraction.h"
 #include "tiles/tileset/directory.h"
 
 namespace citystream::tiles::layers {
@@ -21,9 +24,12 @@ struct BuildOptions {
     std::array<bool, tileset::kLayerCount> layers = {true, true, true, false};
     uint32_t jobs = 0;  ///< threads; 0 = all cores. The bytes do not depend on it
     uint64_t memory_limit = uint64_t{2} << 30;
-    uint64_t leaf_triangles = 8192;  ///< tiles with more are split, down to 64 m
-    bool auto_ground = true;         ///< a flat ground where the input has none
-    std::string description;         ///< of the options, for Manifest::build_options
+    uint64_t leaf_triangles = 8192;      ///< tiles with more are split, down to 64 m
+    bool auto_ground = true;             ///< a flat ground where the input has none
+    std::optional<uint64_t> dress_seed;  ///< puts made-up facades on plain walls; part of the city from then on
+    bool extract_relief = true;          ///< turns the geometry of detailed walls into facades
+    uint32_t merge_tolerance_mm = 0;     ///< facade maps that differ by no more become one; 0: equal maps only
+    std::string description;             ///< of the options, for Manifest::build_options
     const std::atomic<bool>* cancel =
         nullptr;  ///< set to stop early: the build fails with "interrupted" and leaves nothing behind
     /// Called from one thread at a time.
@@ -41,7 +47,9 @@ struct BuildSummary {
     uint64_t archive_bytes = 0;
     uint64_t reference_bytes = 0;
     double seconds = 0;
-    uint64_t peak_memory_bytes = 0;  ///< of the process
+    uint64_t peak_memory_bytes = 0;                ///< of the process
+    std::optional<DressReport> dressing;           ///< where it was asked for
+    std::optional<ReliefExtractionReport> relief;  ///< where it was asked for and a building was looked at
 };
 
 /// Builds. `report` is filled also when the build fails. Error: no objects, unreadable input, disk, interrupted.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "codec/bits/zstd_frame.h"
 #include "tiles/archive/archive.h"
 #include "tiles/tileset/facade_index.h"
 #include "tiles/tileset/subtree.h"
@@ -13,8 +12,6 @@ namespace citystream::tiles::layers {
 namespace {
 
 using tileset::TileAddress;
-
-constexpr int kMapLevel = 19;  // maps are few and sent once each
 
 bool morton_less(const TileAddress& a, const TileAddress& b) {
     if (a.level != b.level) return a.level < b.level;
@@ -62,24 +59,6 @@ void count_tiles(const ArchiveContents& contents) {
     }
 }
 
-/// The dictionary: one frame a map, in catalog order.
-std::vector<std::byte> pack_maps(const ArchiveContents& contents, std::vector<tileset::FacadeMapRecord>& records) {
-    std::vector<std::byte> bytes;
-    for (uint32_t map = 0; map < contents.catalog.facade_maps.size(); ++map) {
-        const auto raw = std::as_bytes(std::span(contents.catalog.facade_maps[map]));
-        const auto frame = codec::bits::compress_frame(raw, kMapLevel);
-        bytes.insert(bytes.end(), frame.begin(), frame.end());
-        tileset::FacadeMapRecord record;
-        record.end = bytes.size();
-        record.decoded_bytes = static_cast<uint32_t>(raw.size());
-        record.checksum = tileset::checksum_of(frame.data(), frame.size());
-        record.depth_min_mm = contents.facades.facts(map).depth_min_mm;
-        record.depth_max_mm = contents.facades.facts(map).depth_max_mm;
-        records.push_back(record);
-    }
-    return bytes;
-}
-
 Status add_text(archive::ArchiveWriter& writer, const std::string& name, const std::string& text) {
     return writer.add(name, std::as_bytes(std::span(text)));
 }
@@ -97,9 +76,7 @@ Status add_tile(archive::ArchiveWriter& writer, const ArchiveContents& contents,
 }
 
 Status add_directory(archive::ArchiveWriter& writer, const ArchiveContents& contents) {
-    std::vector<tileset::FacadeMapRecord> maps;
-    const std::vector<std::byte> map_bytes = pack_maps(contents, maps);
-    const std::vector<std::byte> index = tileset::write_facade_index(maps, contents.manifest);
+    const std::vector<std::byte> index = tileset::write_facade_index(contents.facades.records(), contents.manifest);
     if (Status status = add_text(writer, tileset::kTilesetPath, tileset::write_tileset_json(contents.manifest));
         !status)
         return status;
@@ -110,8 +87,7 @@ Status add_directory(archive::ArchiveWriter& writer, const ArchiveContents& cont
             return status;
     }
     if (Status status = writer.add(tileset::kFacadeIndexPath, index); !status) return status;
-    // An empty entry is no valid 3TZ: a city without facades has none.
-    return map_bytes.empty() ? Status(Done{}) : writer.add(tileset::kFacadeMapsPath, map_bytes);
+    return contents.facades.write_entry(writer, contents.facade_spool);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tiles/layers/facade_dictionary.h"
 #include "tiles/layers/tile_pipeline.h"
 
 namespace citystream::tiles::layers {
@@ -15,8 +16,8 @@ struct ArchiveContents {
     const quadtree::TileTree& tree;
     const std::vector<BuiltTile>& tiles;  ///< by node of the tree
     quadtree::SpoolFile& layer_spool;
-    const city::CityCatalog& catalog;
-    FacadePainter& facades;
+    const EncodedFacades& facades;
+    quadtree::SpoolFile& facade_spool;
     std::span<const std::byte> preview;  ///< PNG; may be empty
     const BuildOptions& options;
 };

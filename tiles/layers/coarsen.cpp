@@ -21,7 +21,6 @@ constexpr int kMostTries = 24;
 constexpr uint64_t kGroundShare = 3;  // the ground may take a third of the triangles
 constexpr size_t kDetailed = 60;      // objects with more triangles than this are decimated when no block will do
 constexpr double kFacadeTexels = 6;   // a facade narrower than this many texels is one colour
-constexpr int64_t kFullTexcoord = 65536;
 
 uint64_t triangle_count(const std::vector<BuildObject>& objects) {
     uint64_t count = 0;
@@ -29,23 +28,24 @@ uint64_t triangle_count(const std::vector<BuildObject>& objects) {
     return count;
 }
 
-/// Two triangles in place of a facade.
-void add_flat_wall(BuildObject& object, const BuildFacade& facade, const Paint& paint) {
-    const auto base = static_cast<uint32_t>(object.vertices.size());
-    for (const GridPoint& corner : facade.corners()) object.vertices.push_back(corner);
+/// Two triangles for each panel of a facade in its place.
+void add_flat_wall(BuildObject& object, const BuildFacade& facade, const FacadePanels& flat, const Paint& paint) {
     const uint32_t paint_index = object.paint_index(paint);
-    constexpr std::array<std::array<int64_t, 2>, 4> kTexcoords = {
-        {{0, 0}, {kFullTexcoord, 0}, {kFullTexcoord, kFullTexcoord}, {0, kFullTexcoord}}};
     constexpr std::array<std::array<uint32_t, 3>, 2> kTriangles = {{{0, 1, 2}, {0, 2, 3}}};
-    for (const auto& corners : kTriangles) {
-        BuildTriangle triangle;
-        triangle.paint = paint_index;
-        triangle.surface = city::SurfaceKind::kWall;
-        for (size_t k = 0; k < 3; ++k) {
-            triangle.vertex[k] = base + corners[k];
-            triangle.texcoord[k] = kTexcoords[corners[k]];
+    for (const FacadePanel& panel : flat.panels) {
+        const auto base = static_cast<uint32_t>(object.vertices.size());
+        const FlatQuad quad = flat_quad(facade, panel);
+        for (const GridPoint& corner : quad.corners) object.vertices.push_back(corner);
+        for (const auto& corners : kTriangles) {
+            BuildTriangle triangle;
+            triangle.paint = paint_index;
+            triangle.surface = city::SurfaceKind::kWall;
+            for (size_t k = 0; k < 3; ++k) {
+                triangle.vertex[k] = base + corners[k];
+                triangle.texcoord[k] = quad.texcoords[corners[k]];
+            }
+            object.triangles.push_back(triangle);
         }
-        object.triangles.push_back(triangle);
     }
 }
 
@@ -84,13 +84,13 @@ class Coarsener {
         std::vector<BuildFacade> kept;
         double lost = 0;
         for (const BuildFacade& facade : object.facades) {
-            const double depth = workshop_.facades.facts(facade.map).depth_metres;
-            if (kReliefWeight * depth > allowed(object)) {
+            const FacadeFacts& facts = workshop_.facades.facts(facade.map);
+            if (kReliefWeight * facts.flat_loss() > allowed(object)) {
                 kept.push_back(facade);
                 continue;
             }
-            lost = std::max(lost, depth);
-            add_flat_wall(object, facade, {PaintKind::kFacade, facade.map, facade.palette});
+            lost = std::max(lost, facts.flat_loss());
+            add_flat_wall(object, facade, facts.flat, {PaintKind::kFacade, facade.map, facade.palette});
         }
         object.facades = std::move(kept);
         object.error += static_cast<float>(lost);

@@ -5,12 +5,12 @@
 #include <memory>
 #include <vector>
 
-#include "codec/facade/facade_map.h"
+#include "codec/facade/run_grid.h"
 
 namespace citystream::tiles::layers {
 namespace {
 
-using codec::facade::FacadeMapView;
+using codec::facade::RunGrid;
 
 constexpr double kMapTexelMetres = 0.01;
 constexpr double kMeanTexelMetres = 0.5;
@@ -53,17 +53,54 @@ SlotSampler make_sampler(const city::CityCatalog& catalog, ImageCache& images, u
 }
 
 /// For each sample along an axis the cell it falls in; `breaks` in map texels.
-template <typename Break>
-std::vector<uint32_t> cells_of_samples(uint32_t samples, uint32_t size, uint32_t cells, const Break& break_at) {
+std::vector<uint32_t> cells_of_samples(uint32_t samples, const std::vector<uint32_t>& breaks) {
     std::vector<uint32_t> out(samples);
     uint32_t cell = 0;
     for (uint32_t i = 0; i < samples; ++i) {
-        const double at = (i + 0.5) * size / samples;
-        while (cell + 1 < cells && at >= break_at(cell + 1)) ++cell;
+        const double at = (i + 0.5) * breaks.back() / samples;
+        while (cell + 2 < breaks.size() && at >= breaks[cell + 1]) ++cell;
         out[i] = cell;
     }
     return out;
 }
+
+uint32_t slot_of(uint32_t label) {
+    return codec::facade::material_of(label) % FACADE_PALETTE_SLOTS;
+}
+
+FacadeFacts facts_of(const RunGrid& map) {
+    FacadeFacts facts;
+    facts.width_metres = map.width() * kMapTexelMetres;
+    facts.height_metres = map.height() * kMapTexelMetres;
+    const codec::facade::DepthRange depths = map.depths();
+    facts.depth_min_mm = static_cast<int16_t>(depths.min_mm);
+    facts.depth_max_mm = static_cast<int16_t>(depths.max_mm);
+    facts.depth_metres = std::max(std::abs(depths.min_mm), std::abs(depths.max_mm)) * 0.001;
+    facts.flat = flat_panels(map);
+    for (const uint32_t label : map.labels) facts.slots |= 1U << slot_of(label);
+    return facts;
+}
+
+/// The samples of one texel, averaged: open cells only where there is nothing else.
+class TexelMean {
+  public:
+    void add(const std::array<float, 3>& rgb, bool open) {
+        Sum& sum = open ? open_ : closed_;
+        for (size_t c = 0; c < 3; ++c) sum.rgb[c] += rgb[c];
+        ++sum.count;
+    }
+    void write(uint8_t* rgb) const {
+        const Sum& sum = closed_.count > 0 ? closed_ : open_;
+        for (size_t c = 0; c < 3; ++c) rgb[c] = linear_to_srgb(sum.rgb[c] / static_cast<float>(sum.count));
+    }
+
+  private:
+    struct Sum {
+        std::array<float, 3> rgb{};
+        int count = 0;
+    };
+    Sum closed_, open_;
+};
 
 uint32_t texels_for(double metres, double texel) {
     return static_cast<uint32_t>(
@@ -72,33 +109,24 @@ uint32_t texels_for(double metres, double texel) {
 
 }  // namespace
 
+double FacadeFacts::flat_loss() const {
+    return std::max(depth_metres, flat.error_metres / kReliefWeight);
+}
+
 const FacadeFacts& FacadePainter::facts(uint32_t map) {
     {
         const std::lock_guard lock(mutex_);
         const auto found = facts_.find(map);
         if (found != facts_.end()) return found->second;
     }
-    FacadeFacts facts;
-    const auto view = FacadeMapView::create(catalog_.facade_maps[map]);
-    if (view) {
-        facts.valid = true;
-        facts.width_metres = view->width() * kMapTexelMetres;
-        facts.height_metres = view->height() * kMapTexelMetres;
-        facts.depth_min_mm = static_cast<int16_t>(view->depth_min_mm());
-        facts.depth_max_mm = static_cast<int16_t>(view->depth_max_mm());
-        facts.depth_metres = std::max(std::abs(view->depth_min_mm()), std::abs(view->depth_max_mm())) * 0.001;
-        for (uint32_t row = 0; row < view->rows(); ++row) {
-            for (uint32_t column = 0; column < view->columns(); ++column)
-                facts.slots |= 1U << ((view->label(column, row) >> 16) & 15U);
-        }
-    }
+    const FacadeFacts facts = facts_of(catalog_.facade_maps.map(map));
     const std::lock_guard lock(mutex_);
     return facts_.emplace(map, facts).first->second;
 }
 
 ChartImage FacadePainter::picture(uint32_t map, uint32_t palette, double texel) {
     const FacadeFacts& known = facts(map);
-    const auto view = FacadeMapView::create(catalog_.facade_maps[map]);
+    const RunGrid grid = catalog_.facade_maps.map(map);
     ChartImage out;
     out.width = texels_for(known.width_metres, texel);
     out.height = texels_for(known.height_metres, texel);
@@ -110,25 +138,20 @@ ChartImage FacadePainter::picture(uint32_t map, uint32_t palette, double texel) 
         if ((known.slots >> slot) & 1U)
             slots[slot] = make_sampler(catalog_, images_, catalog_.palettes[palette].material[slot], texel / kSamples);
     }
-    const auto columns = cells_of_samples(out.width * kSamples, view->width(), view->columns(),
-                                          [&](uint32_t i) { return view->x_break(i); });
-    const auto rows = cells_of_samples(out.height * kSamples, view->height(), view->rows(),
-                                       [&](uint32_t i) { return view->y_break(i); });
+    const auto columns = cells_of_samples(out.width * kSamples, grid.x_breaks);
+    const auto rows = cells_of_samples(out.height * kSamples, grid.y_breaks);
     const double step_x = known.width_metres / (out.width * kSamples),
                  step_y = known.height_metres / (out.height * kSamples);
     for (uint32_t y = 0; y < out.height; ++y) {
         for (uint32_t x = 0; x < out.width; ++x) {
-            std::array<float, 3> sum{};
+            TexelMean mean;
             for (uint32_t s = 0; s < kSamples * kSamples; ++s) {
                 const uint32_t sx = x * kSamples + s % kSamples, sy = y * kSamples + s / kSamples;
-                const uint32_t slot = (view->label(columns[sx], rows[sy]) >> 16) & 15U;
-                const auto rgb = slots[slot].at((sx + 0.5) * step_x, (sy + 0.5) * step_y);
-                for (size_t c = 0; c < 3; ++c) sum[c] += rgb[c];
+                const uint32_t label = grid.label(columns[sx], rows[sy]);
+                mean.add(slots[slot_of(label)].at((sx + 0.5) * step_x, (sy + 0.5) * step_y),
+                         codec::facade::displacement_of(label) == codec::facade::kOpenDisplacement);
             }
-            for (size_t c = 0; c < 3; ++c) {
-                out.rgb[3 * (size_t{y} * out.width + x) + c] =
-                    linear_to_srgb(sum[c] / static_cast<float>(kSamples * kSamples));
-            }
+            mean.write(&out.rgb[3 * (size_t{y} * out.width + x)]);
         }
     }
     return out;

@@ -8,10 +8,9 @@
 #include "codec/atlas/atlas_layer.h"
 #include "codec/bits/zstd_frame.h"
 #include "codec/facade/facade_layer.h"
-#include "codec/facade/facade_map.h"
 #include "codec/mesh/mesh_layer.h"
 #include "tiles/archive/archive.h"
-#include "tiles/tileset/facade_index.h"
+#include "tiles/layers/inspect_facades.h"
 #include "tiles/tileset/subtree.h"
 #include "tiles/tileset/tileset_json.h"
 
@@ -41,7 +40,8 @@ class Verifier {
             return damages_;
         }
         manifest_ = *manifest;
-        check_dictionary();
+        check_facade_dictionary(*reader_, manifest_,
+                                [this](const std::string& where, const std::string& what) { say(where, what); });
         check_subtrees();
         if (tiles_ != manifest_.tiles)
             say(tileset::kTilesetPath, fmt::format("lists {} tiles, the subtrees hold {}", manifest_.tiles, tiles_));
@@ -50,32 +50,6 @@ class Verifier {
 
   private:
     void say(const std::string& where, const std::string& what) { damages_.push_back(where + ": " + what); }
-
-    void check_dictionary() {
-        const auto index = reader_->find(tileset::kFacadeIndexPath);
-        const auto maps = tileset::parse_facade_index(index, manifest_);
-        if (!maps) return say(tileset::kFacadeIndexPath, maps.error().text());
-        const auto bytes = reader_->find(tileset::kFacadeMapsPath);
-        uint64_t begin = 0;
-        for (size_t i = 0; i < maps->size(); ++i) {
-            const tileset::FacadeMapRecord& record = (*maps)[i];
-            if (record.end < begin || record.end > bytes.size())
-                return say(tileset::kFacadeMapsPath, fmt::format("map {} lies outside the entry", i));
-            if (auto error = check_map(bytes.subspan(begin, record.end - begin), record))
-                say(tileset::kFacadeMapsPath, fmt::format("map {}: {}", i, *error));
-            begin = record.end;
-        }
-        if (begin != bytes.size()) say(tileset::kFacadeMapsPath, "bytes follow the last map");
-    }
-
-    static std::optional<std::string> check_map(std::span<const std::byte> frame,
-                                                const tileset::FacadeMapRecord& record) {
-        if (tileset::checksum_of(frame.data(), frame.size()) != record.checksum) return "checksum differs";
-        const auto raw = codec::bits::decompress_frame(frame, record.decoded_bytes);
-        if (!raw) return raw.error().text();
-        const auto view = codec::facade::FacadeMapView::create(words_of(*raw));
-        return view ? std::nullopt : std::optional(view.error().text());
-    }
 
     static std::vector<uint32_t> words_of(std::span<const std::byte> raw) {
         std::vector<uint32_t> words(raw.size() / 4);
@@ -169,6 +143,7 @@ nlohmann::json manifest_json(const tileset::Manifest& m) {
     out["triangles"] = m.triangles;
     out["facades"] = m.facades;
     out["facade_maps"] = m.facade_map_count;
+    out["facades_made_up"] = m.facades_made_up;
     out["tiles"] = m.tiles;
     out["levels"] = m.levels;
     out["root_side_metres"] = m.side_metres(0);
@@ -189,6 +164,11 @@ Result<nlohmann::json> read_city_info(const std::string& path) {
     nlohmann::json out = manifest_json(*manifest);
     out["archive_bytes"] = (*reader)->file_size();
     out["entries"] = (*reader)->entries().size();
+    if (manifest->facade_map_count > 0) {
+        auto facades = facade_dictionary_json(**reader, *manifest);
+        if (!facades) return facades.error();
+        out["facade_dictionary"] = std::move(facades).value();
+    }
     return out;
 }
 

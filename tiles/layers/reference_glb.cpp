@@ -10,7 +10,6 @@
 #include <set>
 #include <unordered_map>
 
-#include "codec/facade/facade_map.h"
 #include "tiles/layers/glb_file.h"
 #include "tiles/layers/relief_mesh.h"
 #include "tiles/quadtree/spool_file.h"
@@ -286,7 +285,6 @@ class Writer final : public ReferenceWriter {
         std::map<uint32_t, std::map<uint32_t, json>> reliefs;  // by map: one primitive without material for each slot
         for (const auto& [key, walls] : walls_) {
             const auto& [map, palette] = key;
-            if (!facades.facts(map).valid) continue;
             if (reliefs.count(map) == 0) {
                 auto relief = write_relief(map);
                 if (!relief) return relief.error();
@@ -307,10 +305,8 @@ class Writer final : public ReferenceWriter {
     }
 
     Result<std::map<uint32_t, json>> write_relief(uint32_t map) {
-        const auto view = codec::facade::FacadeMapView::create(catalog_->facade_maps[map]);
-        if (!view) return view.error();
         std::map<uint32_t, json> primitives;
-        for (const auto& [slot, part] : make_relief(*view)) {
+        for (const auto& [slot, part] : make_relief(catalog_->facade_maps.map(map))) {
             const auto floats = [](const auto& list) {
                 return std::span(list.data()->data(), list.size() * list.data()->size());
             };

@@ -3,18 +3,22 @@
 namespace citystream::tiles::layers {
 namespace {
 
-using codec::facade::FacadeMapView;
+using codec::facade::RunGrid;
 using Point = std::array<double, 3>;
 
 constexpr double kMetresPerTexel = 0.01, kMetresPerMm = 0.001;
 
+bool is_open(uint32_t label) {
+    return codec::facade::displacement_of(label) == codec::facade::kOpenDisplacement;
+}
+
 double depth_of(uint32_t label) {
-    return static_cast<int16_t>(label & 0xffffU) * kMetresPerMm;
+    return codec::facade::displacement_of(label) * kMetresPerMm;
 }
 
 class ReliefBuilder {
   public:
-    explicit ReliefBuilder(const FacadeMapView& map) : map_(map) {}
+    explicit ReliefBuilder(const RunGrid& map) : map_(map), floor_(map.depths().min_mm * kMetresPerMm) {}
 
     std::map<uint32_t, ReliefPart> run() {
         add_fronts();
@@ -24,12 +28,12 @@ class ReliefBuilder {
     }
 
   private:
-    double x(uint32_t column) const { return map_.x_break(column) * kMetresPerTexel; }
-    double y(uint32_t row) const { return map_.y_break(row) * kMetresPerTexel; }
+    double x(uint32_t column) const { return map_.x_breaks[column] * kMetresPerTexel; }
+    double y(uint32_t row) const { return map_.y_breaks[row] * kMetresPerTexel; }
 
     /// A rectangle from corner p with sides a and b; its normal is a x b.
     void add_quad(uint32_t label, const Point& p, const Point& a, const Point& b, const Point& normal) {
-        ReliefPart& part = parts_[(label >> 16) & 15U];
+        ReliefPart& part = parts_[codec::facade::material_of(label)];
         const auto base = static_cast<uint32_t>(part.positions.size());
         constexpr std::array<std::array<double, 2>, 4> kCorners = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
         for (const auto& [s, t] : kCorners) {
@@ -52,6 +56,7 @@ class ReliefBuilder {
             for (uint32_t column = 0; column < columns; ++column) {
                 if (done[size_t{row} * columns + column]) continue;
                 const uint32_t label = map_.label(column, row);
+                if (is_open(label)) continue;
                 const auto fits = [&](uint32_t c, uint32_t r) {
                     return !done[size_t{r} * columns + c] && map_.label(c, r) == label;
                 };
@@ -85,8 +90,8 @@ class ReliefBuilder {
     };
 
     Step step_between(bool has_first, uint32_t first, bool has_second, uint32_t second) const {
-        const double floor = map_.depth_min_mm() * kMetresPerMm;
-        const double a = has_first ? depth_of(first) : floor, b = has_second ? depth_of(second) : floor;
+        const auto height = [&](bool has, uint32_t label) { return has && !is_open(label) ? depth_of(label) : floor_; };
+        const double a = height(has_first, first), b = height(has_second, second);
         Step step;
         step.first_is_higher = a > b;
         step.label = step.first_is_higher ? first : second;
@@ -141,13 +146,14 @@ class ReliefBuilder {
         }
     }
 
-    const FacadeMapView& map_;
+    const RunGrid& map_;
+    double floor_;  // metres: the least displacement
     std::map<uint32_t, ReliefPart> parts_;
 };
 
 }  // namespace
 
-std::map<uint32_t, ReliefPart> make_relief(const FacadeMapView& map) {
+std::map<uint32_t, ReliefPart> make_relief(const RunGrid& map) {
     return ReliefBuilder(map).run();
 }
 

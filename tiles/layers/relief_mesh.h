@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "codec/facade/facade_map.h"
+#include "codec/facade/run_grid.h"
 
 namespace citystream::tiles::layers {
 
@@ -19,8 +19,8 @@ struct ReliefPart {
 };
 
 /// Parts by material slot: one rectangle for each largest run of equal cells (greedy), and side faces between depths
-/// (label of the higher cell). At the map's border side faces reach down to its least displacement. Triangles may meet
-/// in T-junctions.
-std::map<uint32_t, ReliefPart> make_relief(const codec::facade::FacadeMapView& map);
+/// (label of the higher cell). At the map's border and beside open cells side faces reach down to its least
+/// displacement; open cells have no front. Triangles may meet in T-junctions.
+std::map<uint32_t, ReliefPart> make_relief(const codec::facade::RunGrid& map);
 
 }  // namespace citystream::tiles::layers

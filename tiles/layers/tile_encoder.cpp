@@ -24,8 +24,11 @@ using tileset::Layer;
 // 15 and 6.31 at 19, in 0.13, 0.22, 0.45, 0.96 and 2.67 s: a city is built once and sent often.
 constexpr int kStepLevel = 19;
 constexpr int kBaseHeightBits = 16;  // coarser than every bit that a mesh step drops, so that neighbours round alike
-constexpr double kFinestFacadeTexel = 0.1, kCoarsestFacadeTexel = 0.4;
-constexpr int64_t kFlatRepeat = 65536;
+// Pictures that relief is drawn over are placeholders until the tile is so far away that flat facades do; without
+// relief they are all there is of windows.
+constexpr double kFinestFacadeTexel = 0.1, kCoarsestFacadeTexel = 0.8, kCoarsestOnlyTexel = 0.4;
+// Where relief's error is this many times the parent's, the parent is drawn long before facades are flat.
+constexpr double kSurelyRelief = 2;
 
 void append_layer(EncodedTile& tile, Layer layer, const LayerSteps& steps) {
     std::vector<std::byte>& bytes = tile.bytes[static_cast<size_t>(layer)];
@@ -72,13 +75,13 @@ class TileAssembly {
         for (const BuildObject& object : content_.objects) {
             box_.add(object.box());
             for (const BuildFacade& facade : object.facades) {
-                const double depth = workshop_.facades.facts(facade.map).depth_metres;
-                const auto reach = static_cast<int64_t>(std::ceil(depth * kGridUnitsPerMetre));
+                const FacadeFacts& facts = workshop_.facades.facts(facade.map);
+                const auto reach = static_cast<int64_t>(std::ceil(facts.depth_metres * kGridUnitsPerMetre));
                 for (const GridPoint& p : facade.corners()) {
                     box_.add(GridPoint{p.x - reach, p.y - reach, p.z});
                     box_.add(GridPoint{p.x + reach, p.y + reach, p.z});
                 }
-                relief_ = std::max(relief_, depth);
+                relief_ = std::max(relief_, facts.flat_loss());
             }
         }
         for (const SkirtQuad& skirt : skirts_) {
@@ -137,17 +140,17 @@ class TileAssembly {
     }
 
     void add_facades() {
-        const std::array<std::array<int64_t, 2>, 4> texcoords = {
-            {{0, 0}, {kFlatRepeat, 0}, {kFlatRepeat, kFlatRepeat}, {0, kFlatRepeat}}};
         for (const BuildObject& object : content_.objects) {
             for (const BuildFacade& facade : object.facades) {
                 const FacadeFacts& facts = workshop_.facades.facts(facade.map);
-                const double texel = std::max(spec_.facade_texel,
-                                              std::clamp(facts.depth_metres, kFinestFacadeTexel, kCoarsestFacadeTexel));
                 ChartUse use;
-                use.chart = charts_.facade_picture(facade.map, facade.palette, texel);
+                use.chart = stand_in_chart(facade, facts);
                 const auto corners = facade.corners();
-                add_quad(corners, unit_normal(corners[0], corners[1], corners[2]), texcoords, use);
+                const auto normal = unit_normal(corners[0], corners[1], corners[2]);
+                for (const FacadePanel& panel : facts.flat.panels) {
+                    const FlatQuad quad = flat_quad(facade, panel);
+                    add_quad(quad.corners, normal, quad.texcoords, use);
+                }
                 if (wants(Layer::kFacade)) add_placement(facade, facts);
             }
         }
@@ -164,6 +167,23 @@ class TileAssembly {
         }
     }
 
+    /// What the flat stand-in of a facade shows: its picture, or its mean colour where it only waits for the relief.
+    /// (In a city whose every wall is dressed, pictures of leaves would take most of the atlas.)
+    uint32_t stand_in_chart(const BuildFacade& facade, const FacadeFacts& facts) {
+        if (wants(Layer::kFacade) && kReliefWeight * relief_ >= kSurelyRelief * spec_.parent_error)
+            return charts_.flat(workshop_.facades.mean_colour(facade.map, facade.palette));
+        return charts_.facade_picture(facade.map, facade.palette, picture_texel(facts));
+    }
+
+    /// Metres a texel of a facade seen flat. Tiles with relief are drawn flat from where its error, which goes by the
+    /// deepest facade, is below the tolerance: a texel is never larger than that error.
+    double picture_texel(const FacadeFacts& facts) const {
+        const double texel = wants(Layer::kFacade)
+                                 ? std::clamp(kReliefWeight * relief_, kFinestFacadeTexel, kCoarsestFacadeTexel)
+                                 : std::clamp(facts.depth_metres, kFinestFacadeTexel, kCoarsestOnlyTexel);
+        return std::max(spec_.facade_texel, texel);
+    }
+
     void add_placement(const BuildFacade& facade, const FacadeFacts& facts) {
         const auto [found, is_new] = palettes_.try_emplace(facade.palette, static_cast<uint32_t>(palettes_.size()));
         if (is_new) {
@@ -178,7 +198,7 @@ class TileAssembly {
         placement.along[0] = facade.along[0];
         placement.along[1] = facade.along[1];
         placement.height = facade.height;
-        placement.map = facade.map;
+        placement.map = workshop_.numbers.number[facade.map];
         placement.palette = found->second;
         facade_tile_.placements.push_back(placement);
         maps_.push_back(facade.map);

@@ -5,24 +5,23 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
+#include "tiles/layers/facade_numbers.h"
 #include "tiles/layers/facade_painter.h"
 #include "tiles/quadtree/build_object.h"
 #include "tiles/tileset/directory.h"
 
 namespace citystream::tiles::layers {
 
-/// Relief counts this many times its depth as the error of drawing it flat. It moves by its depth at most, but it also
-/// shows sides and hides wall below it: at a weight of one, balconies vanish while they are still a pixel deep.
-constexpr double kReliefWeight = 2;
-
 /// What is shared by all tiles of a build.
 struct TileWorkshop {
     const city::CityCatalog& catalog;
     ImageCache& images;
     FacadePainter& facades;
+    const FacadeNumbers& numbers;  ///< of the maps in the dictionary
     std::array<bool, tileset::kLayerCount> layers = {true, true, true, false};
     GridPoint city_origin;
 };
@@ -35,7 +34,8 @@ struct TileSpec {
     double facade_texel = 0.1;  ///< least metres a texel of facades seen flat
     float geometric_error = 0;  ///< of the objects
     bool inner = false;         ///< what its pictures are blurred by counts as error: tiles below it are sharper
-    double skirt_metres = 1;    ///< how far the ground hangs down at the tile's border
+    double parent_error = std::numeric_limits<double>::infinity();  ///< metres: about what the tile above states
+    double skirt_metres = 1;  ///< how far the ground hangs down at the tile's border
 };
 
 struct TileContent {

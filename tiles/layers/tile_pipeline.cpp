@@ -153,13 +153,18 @@ class Pipeline {
         spec.corner = in_.tree.corner(node.address);
         spec.side = in_.tree.side(node.address.level);
         spec.texel = kLeafTexel;
+        if (node.address.level > 0) spec.parent_error = level_error(2 * side_metres(node));
         spec.skirt_metres = kSkirtErrors * level_error(2 * side_metres(node)) + kSkirtLeastMetres;
         return spec;
     }
 
     Result<std::vector<BuildObject>> leaf_objects(const TileNode& node) {
         auto objects = in_.objects.load(node.begin, node.end);
-        if (objects && in_.made_up_ground) {
+        if (!objects) return objects;
+        for (BuildObject& object : *objects) {
+            for (quadtree::BuildFacade& facade : object.facades) facade.map = in_.workshop.numbers.shown[facade.map];
+        }
+        if (in_.made_up_ground) {
             objects->push_back(flat_ground_of_tile(in_.objects.extent(), in_.tree.corner(node.address),
                                                    in_.tree.side(node.address.level)));
         }

@@ -5,9 +5,11 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "codec/facade/facade_levels.h"
 #include "codec/grid.h"
 
 namespace citystream::tiles::tileset {
@@ -55,12 +57,23 @@ struct TileRecord {
     std::vector<StepRecord>& steps(Layer layer) { return layers[static_cast<size_t>(layer)]; }
 };
 
-/// One facade map of the dictionary: a zstd frame in the maps entry.
+/// One level of a facade map: a payload in the maps entry (codec/facade/facade_wire.h).
+struct FacadeLevelRecord {
+    uint64_t end = 0;              ///< in the maps entry; it begins where the level before ends, or the map before
+    uint32_t resident_bytes = 0;   ///< expanded; a multiple of 4
+    uint32_t checksum = 0;         ///< low half of XXH3-64 of the payload
+    uint16_t texel_cm = 1;         ///< what is smaller may be missing; 1: exact
+    float displacement_error = 0;  ///< metres: greatest difference from the exact map
+    friend bool operator==(const FacadeLevelRecord&, const FacadeLevelRecord&) = default;
+};
+
+/// One facade map of the dictionary, coarse to fine.
 struct FacadeMapRecord {
-    uint64_t end = 0;  ///< of its frame in the maps entry; it begins where the one before ends
-    uint32_t decoded_bytes = 0;
-    uint64_t checksum = 0;  ///< XXH3-64 of the frame
+    uint16_t width = 0, height = 0;  ///< texels of 1 cm
     int16_t depth_min_mm = 0, depth_max_mm = 0;
+    uint32_t level_count = 0;  ///< 1..kMostFacadeLevels
+    std::array<FacadeLevelRecord, codec::facade::kMostFacadeLevels> level{};
+    std::span<const FacadeLevelRecord> levels() const { return {level.data(), level_count}; }
     friend bool operator==(const FacadeMapRecord&, const FacadeMapRecord&) = default;
 };
 
@@ -77,6 +90,7 @@ struct Manifest {
     std::array<bool, kLayerCount> has_layer{};
     std::array<uint64_t, kLayerCount> wire_bytes{}, decoded_bytes{};
     uint64_t facade_map_count = 0;
+    bool facades_made_up = false;     ///< facades are inventions on walls of a real city (--dress)
     uint64_t facade_index_bytes = 0;  ///< of the entry facades/index (one zstd frame)
     uint64_t facade_index_decoded_bytes = 0;
     uint64_t facade_index_checksum = 0;

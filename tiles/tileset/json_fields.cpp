@@ -79,6 +79,13 @@ std::string JsonFields::text(std::string_view key) const {
     return {};
 }
 
+bool JsonFields::flag(std::string_view key) const {
+    const Json& value = field(key);
+    if (value.is_boolean()) return value.get<bool>();
+    fail(key, "is not true or false");
+    return false;
+}
+
 double JsonFields::number(std::string_view key, double low, double high) const {
     const Json& value = field(key);
     const double number = value.is_number() ? value.get<double>() : NAN;

@@ -26,6 +26,7 @@ class JsonFields {
     /// Integers may be JSON numbers or strings of decimal digits (beyond 2^53).
     int64_t integer(std::string_view key, int64_t low, int64_t high) const;
     uint64_t count(std::string_view key, uint64_t high) const;
+    bool flag(std::string_view key) const;
     uint64_t hex(std::string_view key) const;  ///< 16 hexadecimal digits
     const nlohmann::json& array(std::string_view key) const;
     const nlohmann::json& json() const { return object_; }

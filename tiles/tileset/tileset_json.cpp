@@ -92,6 +92,7 @@ OrderedJson layers_json(const Manifest& manifest) {
 OrderedJson facade_json(const Manifest& manifest) {
     OrderedJson facades;
     facades["count"] = exact_integer(manifest.facade_map_count);
+    facades["madeUp"] = manifest.facades_made_up;
     facades["indexUri"] = kFacadeIndexPath;
     facades["indexBytes"] = exact_integer(manifest.facade_index_bytes);
     facades["indexDecodedBytes"] = exact_integer(manifest.facade_index_decoded_bytes);
@@ -166,6 +167,7 @@ void read_contents(const JsonFields& extension, Manifest& manifest) {
     }
     const JsonFields facades = extension.object("facadeDictionary");
     manifest.facade_map_count = facades.count("count", kMaxTotal);
+    manifest.facades_made_up = facades.flag("madeUp");
     manifest.facade_index_bytes = facades.count("indexBytes", kMaxTotal);
     manifest.facade_index_decoded_bytes = facades.count("indexDecodedBytes", kMaxTotal);
     manifest.facade_index_checksum = facades.hex("indexChecksum");

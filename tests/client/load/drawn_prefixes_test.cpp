@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/client/load/tiny_city.h"
+#include "tests/client/stream/streamer_flight.h"
 
 namespace citystream::client {
 namespace {
@@ -77,6 +78,34 @@ TEST_F(DrawnPrefixesTest, UnknownTilesAreLeftOut) {
     note({draw});
     EXPECT_EQ(drawn_.bytes(), 0u);
     EXPECT_TRUE(appeared_.empty());
+}
+
+TEST(DrawnPrefixes, EachLevelOfAMapCountsOnceWhenItIsDrawn) {
+    const test::SyntheticCity city;
+    test::Flight flight(city);
+    CityIndex index;
+    index.learn("tileset.json", city.entries.at("tileset.json"));
+    for (const auto& [path, bytes] : city.entries) {
+        if (path.starts_with("subtrees/") || path == tiles::tileset::kFacadeIndexPath) index.learn(path, bytes);
+    }
+    FacadeDictionary dictionary;
+    dictionary.learn(city.maps);
+    DrawnPrefixes with_maps(index, flight.store), without_maps(index, flight.store);
+    std::set<MapPiece> pieces;
+    for (const double metres : {55.0, 30.0, 10.0, 30.0}) {
+        std::vector<TileDraw> draws = flight.update(city.camera(64, -metres, 10, 0, 0));
+        with_maps.note(draws, [](TileAddress, bool) {});
+        for (TileDraw& draw : draws) {
+            for (const FacadeMapBinding& binding : draw.facade_maps)
+                pieces.insert(map_piece(binding.map, binding.level));
+            draw.facade_maps.clear();
+        }
+        without_maps.note(draws, [](TileAddress, bool) {});
+        uint64_t expected = 0;
+        for (const MapPiece piece : pieces) expected += dictionary.wire_bytes(piece);
+        EXPECT_EQ(with_maps.bytes() - without_maps.bytes(), expected);
+    }
+    EXPECT_GT(pieces.size(), 5u);
 }
 
 TEST(AddressInPath, ReadsOnlyWholeAddresses) {

@@ -13,7 +13,6 @@
 #include "client/render/vulkan_renderer.h"
 #include "codec/atlas/atlas_layer.h"
 #include "codec/facade/facade_layer.h"
-#include "codec/facade/facade_map.h"
 #include "codec/mesh/mesh_layer.h"
 
 namespace citystream::client::test {

@@ -88,7 +88,7 @@ TEST_P(SlotPoolTest, ChunksNeverExceedTheBudgetAndARefusedAppendChangesNothing) 
         EXPECT_LE(allocated_bytes(pool_), budget);
         EXPECT_EQ(pool_.slots_used, full ? used : used + 10);
     }
-    EXPECT_EQ(pool_.slots_used, 260u);
+    EXPECT_EQ(pool_.slots_used, pool_.slot_count / 10 * 10);
     EXPECT_TRUE(append_words(pool_, layers.back(), std::vector<uint32_t>(kSlotWords, 1)).ok());
     EXPECT_EQ(pool_.slots_used, pool_.slot_count);
     EXPECT_FALSE(append_words(pool_, layers.back(), std::vector<uint32_t>(1, 1)).ok());

@@ -19,7 +19,7 @@ SweepResult two_settings() {
     result.reference_triangles = {100, 120};
     for (const double tolerance : {1.0, 4.0}) {
         SettingResult setting;
-        setting.setting = {"tolerance", tolerance};
+        setting.setting = {"tolerance", tolerance, {}, {}};
         for (uint32_t frame = 0; frame < 2; ++frame) {
             FrameRow row;
             row.frame = frame;
@@ -34,6 +34,35 @@ SweepResult two_settings() {
         result.settings.push_back(setting);
     }
     return result;
+}
+
+/// Settings with names beside the ones with numbers.
+SweepResult named_settings() {
+    SweepResult result = two_settings();
+    result.settings[0].setting = {"facade-renderer", 0, "fdm", {}};
+    result.settings[1].setting = {"archive", 0, "merged 2mm", "b.3tz"};
+    result.settings[1].build_options = "--merge-tolerance <2>";
+    result.settings[1].total_dictionary_bytes = 1234;
+    return result;
+}
+
+TEST(Report, NamedSettingsKeepTheirNamesInEveryFile) {
+    const auto json = nlohmann::json::parse(report_json(SweepOptions{}, named_settings()));
+    EXPECT_EQ(json["settings"][0]["value"], "fdm");
+    EXPECT_EQ(json["settings"][1]["value"], "merged 2mm");
+    EXPECT_EQ(json["settings"][1]["build_options"], "--merge-tolerance <2>");
+    EXPECT_EQ(json["settings"][1]["dictionary_bytes"], 1234);
+    EXPECT_NE(frames_csv(named_settings()).find("facade-renderer,fdm,0,"), std::string::npos);
+    const std::string html = report_html(SweepOptions{}, named_settings());
+    EXPECT_NE(html.find("<td>archive</td><td>merged 2mm</td>"), std::string::npos);
+    EXPECT_NE(html.find("merged 2mm: --merge-tolerance &lt;2&gt;"), std::string::npos);
+}
+
+TEST(Setting, LabelsHaveUnitsWhereThereAreNumbers) {
+    EXPECT_EQ((Setting{"tolerance", 0.5, {}, {}}).label(), "0.5 px");
+    EXPECT_EQ((Setting{"relief-tolerance", 2, {}, {}}).label(), "2 px");
+    EXPECT_EQ((Setting{"gpu-budget", 64, {}, {}}).label(), "64 MiB");
+    EXPECT_EQ((Setting{"map-level", 0, "auto", {}}).label(), "auto");
 }
 
 TEST(Report, JsonHasMediansTotalsAndTheLeastPsnrOfEverySetting) {

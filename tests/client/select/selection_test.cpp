@@ -28,8 +28,7 @@ struct World {
             }
         }
         knowledge.tiles.resize(directory.nodes().size());
-        knowledge.maps = city.maps;
-        knowledge.broken_maps.assign(city.maps.size(), false);
+        knowledge.dictionary.learn(city.maps);
         for (NodeIndex i = 0; i < directory.nodes().size(); ++i) {
             node_of[directory.node(i).record->address] = i;
             const auto maps = city.maps_of_tile.find(directory.node(i).record->address);
@@ -119,12 +118,21 @@ TEST(Selection, TakesTheShortestPrefixBelowTheTolerance) {
     EXPECT_GT(no_facades, 0u);
 }
 
-TEST(Selection, CountsEveryLayerInSlotsAndEveryMapOnce) {
+/// The rule for levels read straight from its statement, with a texel share of 1: the coarsest whose texels project
+/// below the tolerance.
+uint32_t level_by_the_rule(const tiles::tileset::FacadeMapRecord& map, double pixels_per_metre, double tolerance) {
+    uint32_t level = 0;
+    while (level + 1 < map.level_count && map.level[level].texel_cm * pixels_per_metre > 100 * tolerance) ++level;
+    return level;
+}
+
+TEST(Selection, CountsEveryLayerInSlotsAndEveryLevelOfAMapOnce) {
     World& all = world();
-    Selector selector(all.directory, all.knowledge);
-    const Selection selection = selector.select(all.city.camera(300, 300, 20, 30, -20), 1.0, 1000);
+    Selector selector(all.directory, all.knowledge, {std::nullopt, std::nullopt, 1.0});
+    constexpr double kTolerance = 0.25;
+    const Selection selection = selector.select(all.city.camera(200, 100, 20, -20, -20), kTolerance, 1000);
     uint64_t slots = 0, wire = 0;
-    std::set<uint32_t> maps;
+    std::set<MapPiece> pieces;
     for (const SelectedTile& tile : selection.tiles) {
         const TileRecord& record = *all.directory.node(tile.node).record;
         for (size_t layer = 0; layer < tiles::tileset::kLayerCount; ++layer) {
@@ -133,18 +141,56 @@ TEST(Selection, CountsEveryLayerInSlotsAndEveryMapOnce) {
             slots += (bytes + 999) / 1000;
             if (tile.steps[layer] > 0) wire += record.layers[layer][tile.steps[layer] - 1].end;
         }
-        if (tile.steps_of(Layer::kFacade) > 0) {
-            const auto& used = all.city.maps_of_tile.at(record.address);
-            maps.insert(used.begin(), used.end());
-        }
+        if (!tile.has_relief()) continue;
+        for (const uint32_t map : all.city.maps_of_tile.at(record.address))
+            pieces.insert(map_piece(map, level_by_the_rule(all.city.maps[map], tile.pixels_per_metre, kTolerance)));
     }
-    for (const uint32_t map : maps) {
-        slots += (all.city.maps[map].decoded_bytes + 999) / 1000;
-        wire += all.city.maps[map].end - (map == 0 ? 0 : all.city.maps[map - 1].end);
+    std::set<uint32_t> maps;
+    for (const MapPiece piece : pieces) {
+        slots += (all.knowledge.dictionary.resident_bytes(piece) + 999) / 1000;
+        wire += all.knowledge.dictionary.wire_bytes(piece);
+        maps.insert(map_of(piece));
     }
-    EXPECT_FALSE(maps.empty());
+    EXPECT_LT(maps.size(), pieces.size()) << "no map is wanted in two levels: the test is too easy";
     EXPECT_EQ(selection.cost.slots, slots);
     EXPECT_EQ(selection.cost.wire_bytes, wire);
+}
+
+TEST(Selection, ReliefBelowItsOwnToleranceIsFlatAndMapsFollowTheCommonOne) {
+    World& all = world();
+    const Camera camera = all.city.camera(300, 250, 10, 0, 0);
+    uint32_t shown_before = ~0u;
+    for (const double pixels : {0.25, 0.5, 1.0}) {
+        Selector selector(all.directory, all.knowledge, {pixels, std::nullopt, 0.25});
+        uint32_t shown = 0;
+        for (const SelectedTile& tile : selector.select(camera, 1.0, 4096).tiles) {
+            const TileRecord& record = *all.directory.node(tile.node).record;
+            const bool shows = record.flat_facade_error * tile.pixels_per_metre > pixels;
+            EXPECT_EQ(tile.has_relief(), shows);
+            shown += shows ? 1 : 0;
+            if (!shows) continue;
+            EXPECT_DOUBLE_EQ(tile.maps.texel_metres, 0.25 / tile.pixels_per_metre);
+        }
+        EXPECT_LT(shown, shown_before);
+        shown_before = shown;
+    }
+    EXPECT_GT(shown_before, 0u);
+}
+
+TEST(Selection, ABudgetRaisesBothTolerances) {
+    World& all = world();
+    Selector selector(all.directory, all.knowledge, {0.5, std::nullopt, 0.25});
+    const Camera camera = all.city.camera(300, 300, 20, 30, -20);
+    const uint64_t whole = selector.select(camera, 1.0, 1024).cost.slots;
+    const Selection bound = selector.select_within(camera, 1.0, {1024, whole / 2, ~uint64_t{0}, 0});
+    ASSERT_GT(bound.tolerance, 1.0);
+    for (const SelectedTile& tile : bound.tiles) {
+        const double relief = all.directory.node(tile.node).record->flat_facade_error * tile.pixels_per_metre;
+        EXPECT_EQ(tile.has_relief(), relief > 0.5 * bound.tolerance);
+        if (tile.has_relief()) {
+            EXPECT_DOUBLE_EQ(tile.maps.texel_metres, 0.25 * bound.tolerance / tile.pixels_per_metre);
+        }
+    }
 }
 
 TEST(Selection, RaisesTheToleranceToTheSmallestStepThatFitsTheBudget) {
@@ -167,6 +213,40 @@ TEST(Selection, RaisesTheToleranceToTheSmallestStepThatFitsTheBudget) {
         before = selection.tolerance;
     }
     EXPECT_GT(before, 1.0);
+}
+
+TEST(Selection, ReliefThatNoBudgetHoldsIsLeftFlatFarTilesFirstInsteadOfCoarseningAll) {
+    const SyntheticCity& city = world().city;
+    World converted(city);
+    for (MapPiece piece = 0; map_of(piece) < city.maps.size(); piece = converted.knowledge.dictionary.next(piece)) {
+        converted.knowledge.dictionary.learn_size(piece, 400'000);
+    }
+    const Camera camera = city.camera(200, 100, 20, -20, -20);
+    constexpr double kTolerance = 0.25;
+    Selector selector(converted.directory, converted.knowledge);
+    const Selection whole = selector.select(camera, kTolerance, 1024);
+    Selector flat_selector(converted.directory, converted.knowledge, {1e9, std::nullopt, 0.25});
+    const Selection flat = flat_selector.select(camera, kTolerance, 1024);
+    const auto with_relief = [](const Selection& selection) {
+        return std::count_if(selection.tiles.begin(), selection.tiles.end(),
+                             [](const SelectedTile& tile) { return tile.has_relief(); });
+    };
+    ASSERT_GT(with_relief(whole), 3);
+    const uint64_t budget = flat.cost.slots + (whole.cost.slots - flat.cost.slots) / 3;
+    const Selection bound = selector.select_within(camera, kTolerance, {1024, budget, ~uint64_t{0}, 0});
+    EXPECT_TRUE(bound.fits);
+    EXPECT_TRUE(bound.relief_left_out);
+    EXPECT_EQ(bound.tolerance, kTolerance) << "mesh and atlas fit as they are";
+    EXPECT_EQ(bound.tiles.size(), whole.tiles.size());
+    EXPECT_LE(bound.cost.slots, budget);
+    EXPECT_GT(bound.cost.slots, flat.cost.slots);
+    EXPECT_GT(with_relief(bound), 0);
+    EXPECT_LT(with_relief(bound), with_relief(whole));
+    const auto nearest = std::max_element(
+        bound.tiles.begin(), bound.tiles.end(),
+        [](const SelectedTile& a, const SelectedTile& b) { return a.pixels_per_metre < b.pixels_per_metre; });
+    EXPECT_TRUE(nearest->has_relief());
+    EXPECT_FALSE(selector.select_within(camera, kTolerance, {1024, whole.cost.slots, ~uint64_t{0}, 0}).relief_left_out);
 }
 
 TEST(Selection, HoldsTheHostBudgetToo) {

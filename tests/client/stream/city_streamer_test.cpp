@@ -6,48 +6,24 @@
 #include <cstring>
 #include <set>
 
+#include "client/cache/directory_pool.h"
 #include "client/cache/host_layer_store.h"
-#include "client/cache/subtree_pool.h"
 #include "client/select/selection.h"
 #include "tests/client/stream/fake_fetcher.h"
+#include "tests/client/stream/streamer_flight.h"
 #include "tests/client/stream/synthetic_city.h"
 
 namespace citystream::client {
 namespace {
 
 using test::FakeFetcher;
+using test::Flight;
+using test::realtime;
 using test::SyntheticCity;
 
 const SyntheticCity& shared_city() {
     static const SyntheticCity city;
     return city;
-}
-
-/// A streamer over the synthetic city with a fake network and a store in host memory.
-struct Flight {
-    explicit Flight(const SyntheticCity& where, StreamerOptions with = {}, uint64_t gpu_bytes = 64u << 20,
-                    uint64_t slot_bytes = 4096)
-        : city(where), fetcher(where.entries), store(gpu_bytes, slot_bytes, with.decode), options(std::move(with)) {
-        fetcher.per_wait = 4;
-        auto opened = CityStreamer::open(fetcher, store, options);
-        EXPECT_TRUE(opened) << (opened ? "" : opened.error().text());
-        if (opened) streamer = std::move(*opened);
-        fetcher.take_bytes();
-    }
-    const std::vector<TileDraw>& update(const Camera& camera) { return streamer->update(camera, frame); }
-
-    const SyntheticCity& city;
-    FakeFetcher fetcher;
-    HostLayerStore store;
-    StreamerOptions options;
-    std::unique_ptr<CityStreamer> streamer;
-    StreamerFrame frame;
-};
-
-StreamerOptions realtime() {
-    StreamerOptions options;
-    options.wait_for_selection = false;
-    return options;
 }
 
 /// Level of a drawn tile from its place: the synthetic city's tiles are told apart by the records with that origin and
@@ -397,7 +373,7 @@ TEST(CityStreamer, CountsTheSameBytesWithoutDecoding) {
     const SyntheticCity& city = shared_city();
     StreamerOptions counting;
     counting.decode = false;
-    counting.subtrees = std::make_shared<SubtreePool>();
+    counting.directory_pool = std::make_shared<DirectoryPool>();
     Flight drawing(city), loading(city, counting), other(city, counting);
     for (int i = 0; i < 10; ++i) {
         const Camera camera = city.camera(100 + 40 * i, 100, 30, 10 * i, -15);

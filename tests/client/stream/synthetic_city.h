@@ -8,10 +8,11 @@
 #include <vector>
 
 #include "client/select/camera.h"
+#include "client/select/facade_dictionary.h"
 #include "codec/atlas/atlas_layer.h"
 #include "codec/bits/zstd_frame.h"
 #include "codec/facade/facade_layer.h"
-#include "codec/facade/facade_map.h"
+#include "codec/facade/facade_wire.h"
 #include "codec/mesh/mesh_layer.h"
 #include "tiles/tileset/directory.h"
 #include "tiles/tileset/facade_index.h"
@@ -32,6 +33,8 @@ struct SyntheticOptions {
     double origin_x = 1000 * 128, origin_y = 2000 * 128;
     uint32_t chart_size = 64;
     bool facades = true;
+    uint32_t map_width = 40;  ///< texels of the narrowest map
+    bool rough_maps = false;  ///< payloads of a kilobyte and more instead of some tens of bytes
 };
 
 class SyntheticCity {
@@ -65,6 +68,7 @@ class SyntheticCity {
     std::map<TileAddress, TileRecord> tiles;
     std::vector<tiles::tileset::FacadeMapRecord> maps;
     std::map<TileAddress, std::vector<uint32_t>> maps_of_tile;
+    std::map<MapPiece, std::vector<uint32_t>> words_of_piece;
 
   private:
     void put(const std::string& path, std::span<const std::byte> bytes) {
@@ -88,22 +92,46 @@ class SyntheticCity {
         put(layer_path(layer, record.address), entry);
     }
 
+    /// A wall with a recess `columns` texels wide, or one where every texel is another.
+    codec::facade::RunGrid wall_with_recess(uint32_t width, uint32_t columns) const {
+        codec::facade::FacadeMatrices image;
+        image.width = width;
+        image.height = 30;
+        image.displacement_mm.assign(size_t{width} * image.height, 0);
+        image.material.assign(size_t{width} * image.height, 0);
+        for (uint32_t y = 10; y < 20; ++y) {
+            for (uint32_t x = 5; x < 5 + columns; ++x) image.displacement_mm[y * width + x] = -150;
+        }
+        uint32_t state = width * 64 + columns;
+        for (size_t i = 0; options_.rough_maps && i < image.displacement_mm.size(); ++i) {
+            state = state * 1664525u + 1013904223u;
+            image.displacement_mm[i] = static_cast<int16_t>(-150 + static_cast<int>(state >> 25));
+        }
+        return *codec::facade::make_run_grid(image);
+    }
+
+    /// Map i has 1 + i % 3 levels: the finest ones of three with texels of 12, 4 and 1 cm.
     void write_maps() {
+        constexpr std::array<uint16_t, 3> kTexels = {12, 4, 1};
         std::vector<std::byte> entry;
         for (uint32_t i = 0; i < 24; ++i) {
-            codec::facade::FacadeImage image;
-            image.width = 40 + i;
-            image.height = 30;
-            image.displacement_mm.assign(size_t{image.width} * image.height, 0);
-            image.material.assign(size_t{image.width} * image.height, 0);
-            for (uint32_t y = 10; y < 20; ++y) {
-                for (uint32_t x = 5; x < 5 + i; ++x) image.displacement_mm[y * image.width + x] = -150;
+            tiles::tileset::FacadeMapRecord record;
+            record.width = static_cast<uint16_t>(options_.map_width + i);
+            record.height = 30;
+            record.depth_min_mm = -150;
+            for (uint32_t k = 2 - i % 3; k < 3; ++k) {
+                const auto map =
+                    codec::facade::encode_shipped_map(wall_with_recess(record.width, i / kTexels[k] * kTexels[k]));
+                entry.insert(entry.end(), map.wire.begin(), map.wire.end());
+                auto& level = record.level[record.level_count++];
+                level.end = entry.size();
+                level.resident_bytes = static_cast<uint32_t>(4 * map.words.size());
+                level.checksum = static_cast<uint32_t>(tiles::tileset::checksum_of(map.wire.data(), map.wire.size()));
+                level.texel_cm = kTexels[k];
+                level.displacement_error = k < 2 ? 0.15f : 0.0f;
+                words_of_piece[map_piece(i, record.level_count - 1)] = map.words;
             }
-            const auto words = codec::facade::encode_facade_map(image);
-            const std::vector<std::byte> frame = frame_of(*words);
-            entry.insert(entry.end(), frame.begin(), frame.end());
-            maps.push_back({entry.size(), static_cast<uint32_t>(4 * words->size()),
-                            tiles::tileset::checksum_of(frame.data(), frame.size()), -150, 0});
+            maps.push_back(record);
         }
         put(tiles::tileset::kFacadeMapsPath, entry);
         put(tiles::tileset::kFacadeIndexPath, write_facade_index(maps, manifest));

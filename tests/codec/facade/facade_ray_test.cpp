@@ -7,22 +7,27 @@
 #include <random>
 #include <vector>
 
-#include "codec/facade/facade_map.h"
+#include "codec/facade/facade_ray.h"
 
 namespace citystream::codec::facade {
 namespace {
 
-double depth_at(const FacadeImage& image, int x, int y) {
+bool is_open(const FacadeMatrices& image, int x, int y) {
+    return image.displacement_mm[static_cast<size_t>(y) * image.width + static_cast<size_t>(x)] == kOpenDisplacement;
+}
+
+double depth_at(const FacadeMatrices& image, int x, int y) {
     return image.displacement_mm[static_cast<size_t>(y) * image.width + static_cast<size_t>(x)];
 }
 
 /// First t at which the ray is in solid, by looking at the middle and both ends of every piece between texel borders.
 /// The relief is a union of boxes, so the first contact is the least entry time into any box: exact, O(texels).
-double brute_force_t(const FacadeImage& image, const double origin[3], const double direction[3]) {
+double brute_force_t(const FacadeMatrices& image, const double origin[3], const double direction[3]) {
     double best = std::numeric_limits<double>::infinity();
-    const double floor_w = *std::min_element(image.displacement_mm.begin(), image.displacement_mm.end());
+    const double floor_w = make_run_grid(image)->depths().min_mm;
     for (int y = 0; y < static_cast<int>(image.height); ++y) {
         for (int x = 0; x < static_cast<int>(image.width); ++x) {
+            if (is_open(image, x, y)) continue;
             const double low[3] = {double(x), double(y), floor_w};
             const double high[3] = {x + 1.0, y + 1.0, depth_at(image, x, y)};
             double enter = 0;
@@ -43,17 +48,19 @@ double brute_force_t(const FacadeImage& image, const double origin[3], const dou
     return best;
 }
 
-FacadeImage random_image(std::mt19937& random, uint32_t width, uint32_t height) {
-    FacadeImage image{width, height, std::vector<int16_t>(size_t{width} * height, 0),
-                      std::vector<uint8_t>(size_t{width} * height, 0)};
+FacadeMatrices random_image(std::mt19937& random, uint32_t width, uint32_t height) {
+    FacadeMatrices image{width, height, std::vector<int16_t>(size_t{width} * height, 0),
+                         std::vector<uint16_t>(size_t{width} * height, 0)};
     for (int box = 0; box < 6; ++box) {
         const auto x0 = static_cast<uint32_t>(random() % width);
         const auto y0 = static_cast<uint32_t>(random() % height);
-        const auto depth = static_cast<int16_t>(static_cast<int>(random() % 9) * 50 - 200);
+        // One box in nine is an opening.
+        const auto level = static_cast<int>(random() % 9);
+        const auto depth = static_cast<int16_t>(level == 8 ? kOpenDisplacement : level * 50 - 200);
         for (uint32_t y = y0; y < std::min<uint32_t>(height, y0 + 1 + static_cast<uint32_t>(random() % 9)); ++y) {
             for (uint32_t x = x0; x < std::min<uint32_t>(width, x0 + 1 + static_cast<uint32_t>(random() % 9)); ++x) {
                 image.displacement_mm[size_t{y} * width + x] = depth;
-                image.material[size_t{y} * width + x] = static_cast<uint8_t>(box + 1);
+                image.material[size_t{y} * width + x] = static_cast<uint16_t>(box + 1);
             }
         }
     }
@@ -66,12 +73,9 @@ TEST(FacadeRay, AgreesWithTexelByTexelSearchOnRandomMaps) {
     int hits = 0;
     int misses = 0;
     for (int round = 0; round < 60; ++round) {
-        const FacadeImage image =
+        const FacadeMatrices image =
             random_image(random, 1 + static_cast<uint32_t>(random() % 24), 1 + static_cast<uint32_t>(random() % 24));
-        const auto words = encode_facade_map(image);
-        ASSERT_TRUE(words.ok());
-        const auto map = FacadeMapView::create(*words);
-        ASSERT_TRUE(map.ok());
+        const RunGrid grid = *make_run_grid(image);
         for (int ray = 0; ray < 300; ++ray) {
             // From in front or from the side, towards somewhere on the wall; one in three nearly along it.
             const double flat = ray % 3 == 0 ? 0.01 : 1;
@@ -82,7 +86,7 @@ TEST(FacadeRay, AgreesWithTexelByTexelSearchOnRandomMaps) {
             double direction[3];
             for (int a = 0; a < 3; ++a) direction[a] = target[a] - origin[a];
             const double expected = brute_force_t(image, origin, direction);
-            const FacadeRayHit hit = cast_facade_ray(*map, origin, direction);
+            const FacadeRayHit hit = cast_facade_ray(grid, origin, direction);
             ASSERT_EQ(hit.hit, std::isfinite(expected)) << "round " << round << " ray " << ray;
             ++(hit.hit ? hits : misses);
             if (!hit.hit) continue;
@@ -106,23 +110,23 @@ TEST(FacadeRay, AgreesWithTexelByTexelSearchOnRandomMaps) {
 class RecessRay : public ::testing::Test {
   protected:
     RecessRay() {
-        FacadeImage image{10, 10, std::vector<int16_t>(100, 0), std::vector<uint8_t>(100, 0)};
+        FacadeMatrices image{10, 10, std::vector<int16_t>(100, 0), std::vector<uint16_t>(100, 0)};
         for (uint32_t y = 3; y < 7; ++y) {
             for (uint32_t x = 3; x < 7; ++x) {
                 image.displacement_mm[y * 10 + x] = -100;
                 image.material[y * 10 + x] = 1;
             }
         }
-        words_ = *encode_facade_map(image);
+        grid_ = *make_run_grid(image);
     }
 
     FacadeRayHit cast(double u, double v, double w, double du, double dv, double dw) const {
         const double origin[3] = {u, v, w};
         const double direction[3] = {du, dv, dw};
-        return cast_facade_ray(*FacadeMapView::create(words_), origin, direction);
+        return cast_facade_ray(grid_, origin, direction);
     }
 
-    std::vector<uint32_t> words_;
+    RunGrid grid_;
 };
 
 TEST_F(RecessRay, HitsTheFrontStraightOn) {
@@ -205,20 +209,73 @@ TEST_F(RecessRay, CornersBreaksAndAwkwardNumbersTerminate) {
 }
 
 TEST(FacadeRay, GrazingRaysOverManyRibsTerminateAtTheFirstHigherOne) {
-    FacadeImage image{2000, 1, std::vector<int16_t>(2000, 0), std::vector<uint8_t>(2000, 0)};
+    FacadeMatrices image{2000, 1, std::vector<int16_t>(2000, 0), std::vector<uint16_t>(2000, 0)};
     for (size_t x = 0; x < 2000; x += 2) image.displacement_mm[x] = 1;
     image.displacement_mm[1998] = 3;
-    const auto words = encode_facade_map(image);
-    ASSERT_TRUE(words.ok());
-    const auto map = FacadeMapView::create(*words);
-    ASSERT_TRUE(map.ok());
+    const RunGrid grid = *make_run_grid(image);
     const double origin[3] = {0, 0.5, 2.9};
     const double direction[3] = {1, 0, -0.0005};  // 89.97 degrees
-    const FacadeRayHit hit = cast_facade_ray(*map, origin, direction);
+    const FacadeRayHit hit = cast_facade_ray(grid, origin, direction);
     ASSERT_TRUE(hit.hit);
     EXPECT_DOUBLE_EQ(hit.t, 1998.0);
     EXPECT_EQ(hit.label, 3u);
     EXPECT_EQ(hit.normal_axis, 0);
+}
+
+/// A wall of 10 x 10 texels at 0 mm with an opening of 4 x 4 in [3, 7)^2 and a sill at -200 mm below it.
+class OpeningRay : public ::testing::Test {
+  protected:
+    OpeningRay() {
+        FacadeMatrices image{10, 10, std::vector<int16_t>(100, 0), std::vector<uint16_t>(100, 0)};
+        for (uint32_t y = 2; y < 7; ++y) {
+            for (uint32_t x = 3; x < 7; ++x)
+                image.displacement_mm[y * 10 + x] = static_cast<int16_t>(y == 2 ? -200 : kOpenDisplacement);
+        }
+        grid_ = *make_run_grid(image);
+    }
+
+    FacadeRayHit cast(double u, double v, double w, double du, double dv, double dw) const {
+        const double origin[3] = {u, v, w};
+        const double direction[3] = {du, dv, dw};
+        return cast_facade_ray(grid_, origin, direction);
+    }
+
+    RunGrid grid_;
+};
+
+TEST_F(OpeningRay, GoesThroughFromBothSides) {
+    EXPECT_FALSE(cast(5, 5, 50, 0, 0, -1).hit);
+    EXPECT_FALSE(cast(5, 5, -500, 0, 0, 1).hit);
+    EXPECT_TRUE(cast(1, 5, -500, 0, 0, 1).hit) << "the back of the wall beside it";
+}
+
+TEST_F(OpeningRay, MeetsTheRevealAndTheSill) {
+    FacadeRayHit hit = cast(4, 5, 20, 1, 0, -20);
+    EXPECT_TRUE(hit.hit);
+    EXPECT_EQ(hit.t, 3.0);
+    EXPECT_EQ(hit.normal_axis, 0);
+    hit = cast(5, 5, -250, 0, -1, 30);
+    EXPECT_TRUE(hit.hit) << "in through the back, above the sill, against the wall below";
+    EXPECT_EQ(hit.t, 3.0);
+    EXPECT_EQ(hit.normal_axis, 1);
+    EXPECT_EQ(displacement_of(hit.label), 0);
+    hit = cast(5, 4, -100, 0, -1, -90);
+    EXPECT_TRUE(hit.hit);
+    EXPECT_EQ(displacement_of(hit.label), -200) << "down on the sill";
+}
+
+TEST_F(OpeningRay, LeavesThroughTheBackBeforeItsSides) {
+    // Reaches the opening's side at w = -260, below depth_min: it has left.
+    EXPECT_FALSE(cast(5, 5, -100, 2, 0, -160).hit);
+    EXPECT_TRUE(cast(5, 5, -100, 2, 0, -90).hit);
+}
+
+TEST(FacadeRay, WallsOfAirOnlyAreNeverHit) {
+    const FacadeMatrices image{4, 3, std::vector<int16_t>(12, kOpenDisplacement), std::vector<uint16_t>(12, 0)};
+    const RunGrid grid = *make_run_grid(image);
+    const double origin[3] = {2, 1, 10}, direction[3] = {0.1, 0.1, -1}, back[3] = {0, 0.2, 1}, behind[3] = {1, 1, -9};
+    EXPECT_FALSE(cast_facade_ray(grid, origin, direction).hit);
+    EXPECT_FALSE(cast_facade_ray(grid, behind, back).hit);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "codec/facade/facade_map.h"
+#include "codec/facade/run_grid.h"
 #include "tiles/city/grammar.h"
 #include "tiles/city/grammar_facades.h"
 #include "tiles/city/procedural_texture.h"
@@ -38,7 +38,7 @@ TEST(Canvas, ShowsTheLastFillOfEveryTexelAndClipsAtItsBorder) {
     Canvas canvas(6, 4);
     canvas.fill({1, 1, 5, 3}, 30, Slot::kSill);
     canvas.fill({3, -7, 90, 2}, -20, Slot::kGlass);
-    const codec::facade::FacadeImage image = canvas.rasterise();
+    const codec::facade::FacadeMatrices image = codec::facade::expand(canvas.relief());
     ASSERT_EQ(image.displacement_mm.size(), 24U);
     ASSERT_EQ(image.material.size(), 24U);
     for (int y = 0; y < 4; ++y) {
@@ -46,11 +46,23 @@ TEST(Canvas, ShowsTheLastFillOfEveryTexelAndClipsAtItsBorder) {
             const bool glass = x >= 3 && y < 2, sill = !glass && x >= 1 && x < 5 && y >= 1 && y < 3;
             const auto at = static_cast<size_t>(y * 6 + x);
             EXPECT_EQ(image.displacement_mm[at], glass ? -20 : sill ? 30 : 0);
-            EXPECT_EQ(image.material[at], static_cast<uint8_t>(glass  ? Slot::kGlass
-                                                               : sill ? Slot::kSill
-                                                                      : Slot::kWall));
+            EXPECT_EQ(image.material[at], static_cast<uint16_t>(glass  ? Slot::kGlass
+                                                                : sill ? Slot::kSill
+                                                                       : Slot::kWall));
         }
     }
+}
+
+TEST(Canvas, ItsReliefIsOnTheCoarsestGrid) {
+    Canvas canvas(50, 40);
+    canvas.fill({10, 10, 30, 20}, 20, Slot::kSill);
+    canvas.fill({15, 12, 20, 18}, 20, Slot::kSill);  // shows nothing new
+    canvas.fill({40, 0, 45, 40}, 5, Slot::kFrame);
+    canvas.fill({35, 0, 50, 40}, 0, Slot::kWall);  // takes everything back
+    const codec::facade::RunGrid relief = canvas.relief();
+    EXPECT_EQ(relief.x_breaks, (std::vector<uint32_t>{0, 10, 30, 50}));
+    EXPECT_EQ(relief.y_breaks, (std::vector<uint32_t>{0, 10, 20, 40}));
+    EXPECT_TRUE(codec::facade::is_valid(relief));
 }
 
 struct Case {
@@ -63,20 +75,23 @@ struct Case {
 
 class DerivedFacade : public testing::TestWithParam<Case> {};
 
-void expect_closed_border(const codec::facade::FacadeImage& image) {
-    for (uint32_t x = 0; x < image.width; ++x) {
-        ASSERT_GE(image.displacement_mm[x], 0) << "foot, column " << x;
-        ASSERT_GE(image.displacement_mm[size_t{image.height - 1} * image.width + x], 0) << "top, column " << x;
+void expect_closed_border(const codec::facade::RunGrid& grid) {
+    const auto depth = [&](uint32_t column, uint32_t row) {
+        return codec::facade::displacement_of(grid.label(column, row));
+    };
+    for (uint32_t column = 0; column < grid.columns(); ++column) {
+        ASSERT_GE(depth(column, 0), 0) << "foot, column " << column;
+        ASSERT_GE(depth(column, grid.rows() - 1), 0) << "top, column " << column;
     }
-    for (uint32_t y = 0; y < image.height; ++y) {
-        ASSERT_GE(image.displacement_mm[size_t{y} * image.width], 0) << "left, row " << y;
-        ASSERT_GE(image.displacement_mm[size_t{y} * image.width + image.width - 1], 0) << "right, row " << y;
+    for (uint32_t row = 0; row < grid.rows(); ++row) {
+        ASSERT_GE(depth(0, row), 0) << "left, row " << row;
+        ASSERT_GE(depth(grid.columns() - 1, row), 0) << "right, row " << row;
     }
 }
 
-TEST_P(DerivedFacade, IsClosedAtItsBorderAndSurvivesTheCodec) {
+TEST_P(DerivedFacade, IsClosedAtItsBorderAndNeitherBareNorWild) {
     const Case& param = GetParam();
-    std::set<std::vector<uint32_t>> distinct;
+    std::set<std::vector<uint32_t>> distinct;  // runs and labels, one after the other
     for (int variant = 0; variant < kFacadeVariants; ++variant) {
         FacadeSpec spec;
         spec.use = param.use;
@@ -86,33 +101,29 @@ TEST_P(DerivedFacade, IsClosedAtItsBorderAndSurvivesTheCodec) {
         spec.floors = param.floors;
         spec.variant = static_cast<uint8_t>(variant);
         spec.shop = variant % 2 == 0;
-        const codec::facade::FacadeImage image = derive_facade(spec, 1);
+        const codec::facade::RunGrid relief = derive_facade(spec, 1);
         SCOPED_TRACE("variant " + std::to_string(variant));
-        ASSERT_EQ(image.width, param.width_cm);
-        ASSERT_EQ(static_cast<int>(image.height),
+        ASSERT_TRUE(codec::facade::is_valid(relief));
+        EXPECT_EQ(codec::facade::merge_equal_runs(relief), relief);
+        ASSERT_EQ(relief.width(), param.width_cm);
+        ASSERT_EQ(static_cast<int>(relief.height()),
                   storeys_of(param.use, param.section, variant, param.floors).height_cm());
-        EXPECT_EQ(image.height % 25, 0U);
-        expect_closed_border(image);
-        for (int16_t mm : image.displacement_mm) {
-            ASSERT_GE(mm, -250);
-            ASSERT_LE(mm, 1200);
-        }
-        const auto words = codec::facade::encode_facade_map(image);
-        ASSERT_TRUE(words) << words.error().text();
-        const auto map = codec::facade::FacadeMapView::create(*words);
-        ASSERT_TRUE(map);
-        std::set<uint32_t> labels;
-        for (uint32_t row = 0; row < map->rows(); ++row)
-            for (uint32_t column = 0; column < map->columns(); ++column) labels.insert(map->label(column, row));
+        EXPECT_EQ(relief.height() % 25, 0U);
+        expect_closed_border(relief);
+        EXPECT_FALSE(relief.has_open_cells());
+        EXPECT_GE(relief.depths().min_mm, -250);
+        EXPECT_LE(relief.depths().max_mm, 1200);
+        const std::set<uint32_t> labels(relief.labels.begin(), relief.labels.end());
         EXPECT_LT(labels.size(), 200U);
         EXPECT_GE(labels.size(), 4U) << "a bare wall";
-        EXPECT_LE(map->columns(), 260U);
-        EXPECT_LE(map->rows(), 200U);
-        const auto decoded = codec::facade::decode_facade_map(*words);
-        ASSERT_TRUE(decoded);
-        EXPECT_TRUE(*decoded == image);
-        EXPECT_TRUE(derive_facade(spec, 1) == image) << "not repeatable";
-        distinct.insert(*words);
+        for (const uint32_t label : labels) EXPECT_LT(codec::facade::material_of(label), 16U);
+        EXPECT_LE(relief.columns(), 260U);
+        EXPECT_LE(relief.rows(), 200U);
+        EXPECT_EQ(derive_facade(spec, 1), relief) << "not repeatable";
+        std::vector<uint32_t> all = relief.x_breaks;
+        all.insert(all.end(), relief.y_breaks.begin(), relief.y_breaks.end());
+        all.insert(all.end(), relief.labels.begin(), relief.labels.end());
+        distinct.insert(std::move(all));
     }
     EXPECT_GE(distinct.size(), param.use == FacadeUse::kGarage ? 1U : 4U) << "variants look alike";
 }

@@ -17,6 +17,7 @@
 #include "tiles/archive/archive.h"
 #include "tiles/city/generator.h"
 #include "tiles/layers/inspect_city.h"
+#include "tiles/tileset/facade_index.h"
 #include "tiles/tileset/subtree.h"
 #include "tiles/tileset/tileset_json.h"
 
@@ -330,7 +331,7 @@ TEST_F(BuildCity, VerifyNamesTheTileAndLayerOfAFlippedByte) {
     ASSERT_TRUE(build("city.3tz", generated(20)).ok());
     const OpenCity city = open_city(path("city.3tz"));
     const std::string whole = bytes_of(path("city.3tz"));
-    for (const char* suffix : {".mesh", ".facade", ".atlas"}) {
+    for (const char* suffix : {".mesh", ".facade", ".atlas", "facades/maps", "facades/index"}) {
         const auto& entries = city.reader->entries();
         const auto entry = std::find_if(entries.begin(), entries.end(),
                                         [&](const archive::ArchiveEntry& e) { return e.name.ends_with(suffix); });
@@ -345,6 +346,129 @@ TEST_F(BuildCity, VerifyNamesTheTileAndLayerOfAFlippedByte) {
             return line.find(entry->name) != std::string::npos;
         })) << suffix;
     }
+}
+
+TEST_F(BuildCity, VerifyNamesTheMapAndLevelOfADamagedDictionary) {
+    ASSERT_TRUE(build("city.3tz", generated(20)).ok());
+    const OpenCity city = open_city(path("city.3tz"));
+    const auto maps = tileset::parse_facade_index(city.reader->find(tileset::kFacadeIndexPath), city.manifest);
+    ASSERT_TRUE(maps.ok());
+    ASSERT_GT(maps->size(), 5U);
+    const auto& entries = city.reader->entries();
+    const auto entry = std::find_if(entries.begin(), entries.end(),
+                                    [](const archive::ArchiveEntry& e) { return e.name == tileset::kFacadeMapsPath; });
+    ASSERT_NE(entry, entries.end());
+    const std::string whole = bytes_of(path("city.3tz"));
+    for (const size_t map : {size_t{0}, size_t{3}, maps->size() - 1}) {
+        std::string damaged = whole;
+        char& byte = damaged[entry->data_offset + (*maps)[map].levels().back().end - 1];
+        byte = static_cast<char>(byte ^ 0x10);
+        std::ofstream(path("damaged.3tz"), std::ios::binary) << damaged;
+        const auto damages = verify_city(path("damaged.3tz"));
+        ASSERT_TRUE(damages.ok());
+        const std::string name = "facades/maps: map " + std::to_string(map) + ": level " +
+                                 std::to_string((*maps)[map].level_count - 1) + ":";
+        EXPECT_EQ(std::count_if(damages->begin(), damages->end(),
+                                [&](const std::string& line) { return line.starts_with("facades/maps: map"); }),
+                  1);
+        EXPECT_TRUE(std::any_of(damages->begin(), damages->end(), [&](const std::string& line) {
+            return line.starts_with(name);
+        })) << name;
+    }
+}
+
+TEST_F(BuildCity, InfoAddsUpTheLevelsAndFormsOfTheDictionary) {
+    ASSERT_TRUE(build("city.3tz", generated(10)).ok());
+    const auto info = read_city_info(path("city.3tz"));
+    ASSERT_TRUE(info.ok());
+    const nlohmann::json& facades = (*info)["facade_dictionary"];
+    const OpenCity city = open_city(path("city.3tz"));
+    EXPECT_EQ(facades["maps"], city.manifest.facade_map_count);
+    EXPECT_EQ(facades["wire_bytes"], city.reader->find(tileset::kFacadeMapsPath).size());
+    EXPECT_EQ(facades["index_bytes"], city.reader->find(tileset::kFacadeIndexPath).size());
+    EXPECT_EQ(facades["levels"]["1 cm"]["maps"], city.manifest.facade_map_count);
+    EXPECT_FALSE(facades["made_up"]);
+    for (const char* parts : {"levels", "forms"}) {
+        uint64_t wire = 0, resident = 0;
+        for (const nlohmann::json& part : facades[parts]) {
+            wire += part["wire_bytes"].get<uint64_t>();
+            resident += part["resident_bytes"].get<uint64_t>();
+        }
+        EXPECT_EQ(facades["wire_bytes"], wire) << parts;
+        EXPECT_EQ(facades["resident_bytes"], resident) << parts;
+    }
+}
+
+TEST_F(BuildCity, ACityWithoutTheFacadeLayerCarriesNoMaps) {
+    ASSERT_TRUE(build("city.3tz", generated(10), [](BuildOptions& options) {
+                    options.layers = {true, false, true, false};
+                }).ok());
+    const OpenCity city = open_city(path("city.3tz"));
+    EXPECT_EQ(city.manifest.facade_map_count, 0U);
+    EXPECT_EQ(city.reader->find(tileset::kFacadeMapsPath).data(), nullptr);
+    EXPECT_TRUE(verify_city(path("city.3tz"))->empty());
+}
+
+/// Walls with a window each, 3 mm deeper from wall to wall.
+CitySource windows(uint32_t walls) {
+    return [walls](city::CityHeader&, city::CityCatalog& catalog, city::CityReport&,
+                   const city::CitySink& sink) -> Status {
+        catalog.palettes.emplace_back();
+        catalog.palettes[0].material.fill(catalog.add_material({}));
+        for (uint32_t i = 0; i < walls; ++i) {
+            codec::facade::RunGrid grid{{0, 100, 250, 400}, {0, 90, 220, 300}, std::vector<uint32_t>(9)};
+            grid.labels[4] = codec::facade::make_label(-100 - 3 * static_cast<int32_t>(i), 3);
+            city::CityObject object;
+            object.kind = city::ObjectKind::kBuilding;
+            object.facades.push_back({{5.0 * i, 0, 0}, {4, 0}, 3, catalog.facade_maps.add(grid), 0});
+            if (!sink(std::move(object))) break;
+        }
+        return Done{};
+    };
+}
+
+TEST_F(BuildCity, TheToleranceOfMergedMapsIsWrittenDown) {
+    const auto merge = [](BuildOptions& options) { options.merge_tolerance_mm = 4; };
+    ASSERT_TRUE(build("exact.3tz", windows(10)).ok());
+    ASSERT_TRUE(build("merged.3tz", windows(10), merge).ok());
+    const tileset::Manifest exact = open_city(path("exact.3tz")).manifest,
+                            merged = open_city(path("merged.3tz")).manifest;
+    EXPECT_EQ(exact.facade_map_count, 10U);
+    EXPECT_EQ(merged.facade_map_count, 5U);
+    EXPECT_EQ(merged.facades, 10U);
+    EXPECT_NE(merged.build_options.find("merge-tolerance=4mm (5 maps merged, 3 mm apart at most)"), std::string::npos)
+        << merged.build_options;
+    EXPECT_EQ(exact.build_options.find("merge-tolerance"), std::string::npos);
+    EXPECT_TRUE(verify_city(path("merged.3tz"))->empty());
+}
+
+TEST_F(BuildCity, FacadesOnAPlainCityAreMarkedAsMadeUp) {
+    const CitySource plain = boxes({{{{0, 0, 0}, {20, 12, 9}}}, {{{40, 0, 0}, {60, 15, 6}}}});
+    ASSERT_TRUE(build("plain.3tz", plain).ok());
+    ASSERT_TRUE(build("dressed.3tz", plain, [](BuildOptions& options) { options.dress_seed = 7; }).ok());
+    const tileset::Manifest bare = open_city(path("plain.3tz")).manifest,
+                            dressed = open_city(path("dressed.3tz")).manifest;
+    EXPECT_FALSE(bare.facades_made_up);
+    EXPECT_EQ(bare.facades, 0U);
+    EXPECT_TRUE(dressed.facades_made_up);
+    EXPECT_GE(dressed.facades, 8U);
+    EXPECT_TRUE(read_city_info(path("dressed.3tz")).value()["facades_made_up"]);
+    EXPECT_TRUE(verify_city(path("dressed.3tz"))->empty());
+}
+
+TEST_F(BuildCity, ADressedCityIsTheSameForAnyNumberOfThreads) {
+    std::vector<std::array<city::Vec3, 2>> corners;
+    for (int i = 0; i < 40; ++i) {
+        const double x = 37.0 * (i % 8), y = 41.0 * static_cast<double>(i / 8), height = 6 + i % 5 * 4;
+        corners.push_back({{{x, y, 0}, {x + 11 + i % 7, y + 13 + i % 3, height}}});
+    }
+    for (const uint32_t jobs : {1U, 3U}) {
+        ASSERT_TRUE(build("jobs" + std::to_string(jobs) + ".3tz", boxes(corners), [&](BuildOptions& options) {
+                        options.jobs = jobs;
+                        options.dress_seed = 3;
+                    }).ok());
+    }
+    EXPECT_EQ(bytes_of(path("jobs1.3tz")), bytes_of(path("jobs3.3tz")));
 }
 
 TEST_F(BuildCity, AnInterruptedBuildLeavesNothingBehind) {

@@ -2,6 +2,8 @@
 
 #include <cstring>
 #include <limits>
+#include <random>
+#include <utility>
 
 #include "tests/tiles/tileset/synthetic_city.h"
 #include "tiles/tileset/subtree_order.h"
@@ -93,7 +95,7 @@ TEST(TilesetJson, WrongFieldsAreNamed) {
         {"0.125", "2000.0", "extent.min"},
         {"\"epsg\": 25832", "\"epsg\": -1", "epsg"},
         {"CITYSTREAM_layers\": {", "OTHER_layers\": {", "CITYSTREAM_layers"},
-        {"\"version\": 1,", "\"version\": 2,", "CITYSTREAM_layers.version"},
+        {"\"version\": 2,", "\"version\": 1,", "CITYSTREAM_layers.version"},
         {"\"indexChecksum\": \"", "\"indexChecksum\": \"x", "indexChecksum"},
         {"tiles/{level}/{x}/{y}.atlas", "../{level}/{x}/{y}.atlas", "atlas.uri"},
         {"\"mapsUri\": \"facades/maps\"", "\"mapsUri\": \"http://a/b\"", "mapsUri"},
@@ -271,8 +273,13 @@ TEST(FacadeIndex, ComesBackAndItsDamageIsFound) {
     const auto maps = parse_facade_index(frame, city.manifest);
     ASSERT_TRUE(maps.ok()) << maps.error().text();
     ASSERT_EQ(maps->size(), 3U);
-    EXPECT_EQ(maps->back().end, city.entries.at(kFacadeMapsPath).size());
-    EXPECT_EQ((*maps)[1].depth_min_mm, -100);
+    EXPECT_EQ(maps->back().levels().back().end, city.entries.at(kFacadeMapsPath).size());
+    EXPECT_EQ((*maps)[1].width, 300);
+    EXPECT_EQ((*maps)[1].height, 90);
+    ASSERT_EQ((*maps)[1].level_count, 2U);
+    EXPECT_EQ((*maps)[1].level[0].texel_cm, 16);
+    EXPECT_EQ((*maps)[1].level[0].displacement_error, 0.3F);
+    EXPECT_EQ((*maps)[0].level_count, 1U);
     for (size_t i = 0; i < frame.size(); ++i) {
         frame[i] ^= std::byte{1};
         EXPECT_FALSE(parse_facade_index(frame, city.manifest).ok()) << i;
@@ -281,20 +288,129 @@ TEST(FacadeIndex, ComesBackAndItsDamageIsFound) {
     }
     Manifest hostile = city.manifest;
     hostile.facade_map_count = uint64_t{1} << 40;
-    hostile.facade_index_decoded_bytes = hostile.facade_map_count * 24;
+    hostile.facade_index_decoded_bytes = hostile.facade_map_count * 25;
     EXPECT_FALSE(parse_facade_index(frame, hostile).ok());
     Manifest none;
     EXPECT_TRUE(parse_facade_index(write_facade_index({}, none), none).ok());
 }
 
-TEST(FacadeIndex, RecordsOutOfOrderAreRefused) {
+std::vector<FacadeMapRecord> two_maps() {
+    FacadeMapRecord two_levels, one_level;
+    two_levels.width = 800;
+    two_levels.height = 600;
+    two_levels.depth_min_mm = -100;
+    two_levels.depth_max_mm = 30;
+    two_levels.level_count = 2;
+    two_levels.level[0] = {20, 160, 0x01020304, 16, 0.1F};
+    two_levels.level[1] = {110, 800, 0xfffefdfc, 1, 0};
+    one_level.width = 300;
+    one_level.height = 275;
+    one_level.depth_max_mm = 12;
+    one_level.level_count = 1;
+    one_level.level[0] = {174, 280, 77, 1, 0};
+    return {two_levels, one_level};
+}
+
+TEST(FacadeIndex, ItsColumnsAreThoseOfTheFormatsExample) {
     Manifest manifest;
-    const std::vector<FacadeMapRecord> falling = {{20, 4, 1, 0, 0}, {20, 4, 2, 0, 0}};
-    EXPECT_FALSE(parse_facade_index(write_facade_index(falling, manifest), manifest).ok());
-    const std::vector<FacadeMapRecord> turned = {{20, 4, 1, 5, 4}};
-    EXPECT_FALSE(parse_facade_index(write_facade_index(turned, manifest), manifest).ok());
-    const std::vector<FacadeMapRecord> odd = {{20, 5, 1, 0, 0}};
-    EXPECT_FALSE(parse_facade_index(write_facade_index(odd, manifest), manifest).ok());
+    const Bytes frame = write_facade_index(two_maps(), manifest);
+    const auto raw = codec::bits::decompress_frame(frame, manifest.facade_index_decoded_bytes);
+    ASSERT_TRUE(raw.ok());
+    const std::vector<int> expected = {
+        0x02, 0x01,                                                         // levels
+        0x20, 0x2c, 0x03, 0x01, 0x58, 0x13, 0x02, 0x01,                     // sizes
+        0x9c, 0x00, 0xff, 0x00, 0x1e, 0x0c, 0x00, 0x00,                     // depths
+        0x14, 0x5a, 0x40, 0,    0,    0,    0,    0,    0, 0,    0,    0,   // payloads
+        0x28, 0xc8, 0x46, 0,    0,    0,    0,    0,    0, 0,    0,    0,   // words
+        0x10, 0x01, 0x01, 0,    0,    0,    0x64, 0,    0, 0,    0,    0,   // texels, errors
+        0x04, 0xfc, 0x4d, 0x03, 0xfd, 0,    0x02, 0xfe, 0, 0x01, 0xff, 0};  // checksums
+    ASSERT_EQ(raw->size(), expected.size());
+    for (size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(static_cast<int>((*raw)[i]), expected[i]) << i;
+    const auto back = parse_facade_index(frame, manifest);
+    ASSERT_TRUE(back.ok()) << back.error().text();
+    EXPECT_EQ(*back, two_maps());
+}
+
+TEST(FacadeIndex, EveryRecordThatBreaksARuleIsRefusedByName) {
+    const auto refused = [](auto change) {
+        std::vector<FacadeMapRecord> maps = two_maps();
+        change(maps);
+        Manifest manifest;
+        const auto back = parse_facade_index(write_facade_index(maps, manifest), manifest);
+        return back.ok() ? std::string() : back.error().text();
+    };
+    using Maps = std::vector<FacadeMapRecord>;
+    EXPECT_EQ(refused([](Maps&) {}), "");
+    EXPECT_NE(refused([](Maps& m) { m[1].level[0].end = 110; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[0].level[0].end = 0; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[1].level[0].end = UINT32_MAX; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[0].width = 0; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[1].height = 8193; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[1].depth_min_mm = 13; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[0].level[0].resident_bytes = 0; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[0].level[0].resident_bytes = kMaxFacadeResidentBytes + 4; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[0].level[0].texel_cm = 1; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[0].level[0].texel_cm = 0; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[1].level[0].texel_cm = 4; }), "");
+    EXPECT_NE(refused([](Maps& m) { m[1].level[0].displacement_error = 0.5F; }), "");
+    EXPECT_NE(refused([](Maps& m) {
+                  m[0].level_count = 3;
+                  m[0].level[1] = {100, 400, 0, 4, 0.2F};
+                  m[0].level[2] = {110, 800, 0, 1, 0};
+              }),
+              "")
+        << "the error grows";
+    EXPECT_NE(refused([](Maps& m) { m[0].level_count = 0; }), "");
+    const std::string named = refused([](Maps& m) { m[1].level[0].texel_cm = 4; });
+    EXPECT_NE(named.find("map 1"), std::string::npos) << named;
+}
+
+TEST(FacadeIndex, AFrameOfOtherColumnsThanItsMapsNeedIsRefused) {
+    Manifest manifest;
+    const Bytes frame = write_facade_index(two_maps(), manifest);
+    for (const uint64_t count : {0U, 1U, 3U, 7U}) {
+        Manifest other = manifest;
+        other.facade_map_count = count;
+        EXPECT_FALSE(parse_facade_index(frame, other).ok()) << count;
+    }
+    // Every byte of the columns changed, in a frame that is right about itself: refused, or other records that keep
+    // the rules; never a reading past an end.
+    Bytes raw = codec::bits::decompress_frame(frame, manifest.facade_index_decoded_bytes).value();
+    for (std::byte& byte : raw) {
+        for (const int value : {0, 1, 2, 5, 0x7f, 0x80, 0xff}) {
+            const std::byte kept = std::exchange(byte, static_cast<std::byte>(value));
+            const Bytes changed = codec::bits::compress_frame(raw, 1);
+            manifest.facade_index_bytes = changed.size();
+            manifest.facade_index_checksum = checksum_of(changed.data(), changed.size());
+            const auto maps = parse_facade_index(changed, manifest);
+            if (maps.ok()) {
+                EXPECT_TRUE(check_facade_maps(*maps).ok());
+            }
+            byte = kept;
+        }
+    }
+}
+
+TEST(FacadeIndex, TakesAtMostTenBytesALevelOfUnlikeMaps) {
+    std::mt19937 random(3);
+    const auto below = [&](uint32_t limit) { return std::uniform_int_distribution<uint32_t>(0, limit - 1)(random); };
+    std::vector<FacadeMapRecord> maps(3000);
+    uint64_t end = 0, levels = 0;
+    for (FacadeMapRecord& map : maps) {
+        map.width = static_cast<uint16_t>(300 + 25 * below(60));
+        map.height = static_cast<uint16_t>(275 + 25 * below(60));
+        map.depth_min_mm = static_cast<int16_t>(-100 - static_cast<int32_t>(below(8)) * 10);
+        map.depth_max_mm = static_cast<int16_t>(40 + 10 * below(20));
+        map.level_count = 2;
+        map.level[0] = {end += 90 + below(150), 4 * (100 + below(200)), static_cast<uint32_t>(random()), 16,
+                        static_cast<float>(100 + below(8) * 10) * 0.001F};
+        map.level[1] = {end += 250 + below(500), 4 * (300 + below(600)), static_cast<uint32_t>(random()), 1, 0};
+        levels += 2;
+    }
+    Manifest manifest;
+    const Bytes frame = write_facade_index(maps, manifest);
+    EXPECT_LE(static_cast<double>(frame.size()) / static_cast<double>(levels), 10);
+    EXPECT_EQ(parse_facade_index(frame, manifest).value(), maps);
 }
 
 TEST(Directory, PathsAndOriginsFollowTheAddress) {

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "codec/bits/zstd_frame.h"
+#include "codec/facade/facade_levels.h"
+#include "codec/facade/facade_wire.h"
 #include "tiles/archive/archive.h"
 #include "tiles/tileset/directory.h"
 #include "tiles/tileset/facade_index.h"
@@ -121,15 +123,35 @@ class SyntheticCityMaker {
     void make_facade_maps() {
         std::vector<FacadeMapRecord> records;
         std::vector<std::byte> maps;
-        for (int i = 0; i < 3; ++i) {
-            const std::vector<std::byte> raw = make_raw();
-            const std::vector<std::byte> frame = codec::bits::compress_frame(raw, 3);
-            maps.insert(maps.end(), frame.begin(), frame.end());
-            records.push_back({maps.size(), static_cast<uint32_t>(raw.size()), checksum_of(frame.data(), frame.size()),
-                               static_cast<int16_t>(-100 * i), static_cast<int16_t>(30 + i)});
+        for (uint32_t i = 0; i < 3; ++i) {
+            const codec::facade::RunGrid exact = make_grid(i);
+            FacadeMapRecord record;
+            record.width = static_cast<uint16_t>(exact.width());
+            record.height = static_cast<uint16_t>(exact.height());
+            record.depth_min_mm = static_cast<int16_t>(exact.depths().min_mm);
+            record.depth_max_mm = static_cast<int16_t>(exact.depths().max_mm);
+            if (i > 0) add_level(record, codec::facade::coarsen(exact, 16), 16, 0.3F, maps);
+            add_level(record, exact, 1, 0, maps);
+            records.push_back(record);
         }
         city_.entries[kFacadeMapsPath] = std::move(maps);
         city_.entries[kFacadeIndexPath] = write_facade_index(records, city_.manifest);
+    }
+
+    codec::facade::RunGrid make_grid(uint32_t i) {
+        codec::facade::RunGrid grid{{0, 40, 100 + i, 300}, {0, 25, 90}, {}};
+        for (uint32_t cell = 0; cell < 6; ++cell)
+            grid.labels.push_back(codec::facade::make_label(static_cast<int32_t>(below(300)) - 150, cell % 3));
+        return grid;
+    }
+
+    static void add_level(FacadeMapRecord& record, const codec::facade::RunGrid& grid, uint16_t texel_cm, float error,
+                          std::vector<std::byte>& maps) {
+        const codec::facade::ShippedMap shipped = codec::facade::encode_shipped_map(grid);
+        maps.insert(maps.end(), shipped.wire.begin(), shipped.wire.end());
+        record.level[record.level_count++] = {
+            maps.size(), static_cast<uint32_t>(4 * shipped.words.size()),
+            static_cast<uint32_t>(checksum_of(shipped.wire.data(), shipped.wire.size())), texel_cm, error};
     }
 
     std::mt19937 random_;

@@ -1,0 +1,150 @@
+// Adaptive binary range coder: numbers as binary decisions, each coded in as many bits as its probability says.
+//
+// An encoder and its decoder have the same calls: bit(model, value) and so on write `value` and return it, or ignore
+// `value` and return what was read. So a format is written once, as a template over the coder, and both directions
+// agree by construction. The models adapt in the same way on both sides; a model belongs to one coder at a time.
+//
+// Arithmetic: 32-bit range, probabilities of 16 bits, a carry runs back into the bytes written. Costs at most one byte
+// over the sum of -log2 of the probabilities: the decoder reads zeros for up to kPaddingBytes bytes past the end, and
+// the encoder ends with the number in its interval that has the most trailing zeros.
+//
+// Untrusted bytes: a decoder never reads outside its bytes. Past the padding it latches an error, and every read yields
+// 0 from then on; check finish() before any decoded number is trusted. All calls end after a bounded number of steps.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "codec/result.h"
+
+namespace citystream::codec::bits {
+
+/// Probability that a bit is 1: the mean of two estimates, one that forgets fast and one that forgets slowly. The first
+/// bits count most (as 1 / (bits seen + 1.5)), so that a model learns from a handful.
+class BitModel {
+  public:
+    BitModel() = default;
+    /// A first guess (0 < probability_of_one < 1) that counts as much as `weight` (0..kMostWeight) bits seen.
+    explicit BitModel(double probability_of_one, uint32_t weight = 0);
+    static constexpr uint32_t kMostWeight = 64;
+
+    /// In 1/65536, 1..65535.
+    uint32_t probability_of_one() const;
+    void learn(uint32_t bit);
+    /// What coding `bit` would cost now, in bits.
+    double cost(uint32_t bit) const;
+
+  private:
+    uint32_t fast_ = 1u << 27, slow_ = 1u << 27;  // in 2^-28
+    uint32_t seen_ = 0;
+};
+
+class RangeEncoder {
+  public:
+    static constexpr bool kDecodes = false;
+    /// Codes bit 0 or 1 and lets the model learn it.
+    uint32_t bit(BitModel& model, uint32_t value);
+    /// A number of 0..count - 1, all equally likely; count 1..2^16.
+    uint32_t uniform(uint32_t count, uint32_t value);
+    /// The low `bits` (0..32) of value, equally likely.
+    uint32_t plain_bits(uint32_t bits, uint32_t value);
+    /// The bytes; the encoder starts anew.
+    std::vector<std::byte> finish();
+
+  private:
+    void narrow(uint32_t start, uint32_t size);
+    std::vector<std::byte> bytes_;
+    uint32_t low_ = 0, range_ = 0xffffffffu;
+};
+
+class RangeDecoder {
+  public:
+    static constexpr bool kDecodes = true;
+    static constexpr size_t kPaddingBytes = 4;
+    /// Borrows the bytes.
+    explicit RangeDecoder(std::span<const std::byte> bytes);
+    uint32_t bit(BitModel& model, uint32_t ignored = 0);
+    uint32_t uniform(uint32_t count, uint32_t ignored = 0);
+    uint32_t plain_bits(uint32_t bits, uint32_t ignored = 0);
+    /// False once the bytes have run out: all numbers read since may be wrong.
+    bool ok() const { return !failed_; }
+    /// Bytes taken so far, at most all.
+    size_t position() const { return position_ < bytes_.size() ? position_ : bytes_.size(); }
+    /// To be called after the last number: fails when the bytes ran out or when some are left over.
+    Status finish() const;
+
+  private:
+    void narrow(uint32_t start, uint32_t size);
+    uint32_t next_byte();
+    std::span<const std::byte> bytes_;
+    size_t position_ = 0;
+    uint32_t code_ = 0, range_ = 0xffffffffu;
+    bool failed_ = false;
+};
+
+/// Numbers 0..count - 1 with a model for each inner node of the binary tree over them, most significant bit first;
+/// branches without numbers cost nothing. Memory: count models, so the caller bounds the count.
+class BitTree {
+  public:
+    explicit BitTree(uint32_t count);
+    template <typename Coder>
+    uint32_t code(Coder& coder, uint32_t value = 0);
+    uint32_t count() const { return count_; }
+
+  private:
+    uint32_t count_, bits_;
+    std::vector<BitModel> nodes_;
+};
+
+/// Any uint32 by Elias gamma code of value + 1: the length in unary, then the bits below the leading one; adaptive but
+/// for the bits past the third below the leading one. For numbers that are mostly small.
+class NumberModel {
+  public:
+    template <typename Coder>
+    uint32_t code(Coder& coder, uint32_t value = 0);
+
+  private:
+    static constexpr uint32_t kMostLength = 33, kModelledBits = 3;
+    BitModel longer_[kMostLength];
+    BitModel mantissa_[kMostLength][1 << kModelledBits];
+};
+
+/// 0, -1, 1, -2, 2, ... <-> 0, 1, 2, 3, 4, ...
+constexpr uint32_t zigzag(int32_t value) {
+    return static_cast<uint32_t>(value) << 1 ^ (value < 0 ? ~0u : 0u);
+}
+constexpr int32_t unzigzag(uint32_t value) {
+    return static_cast<int32_t>(value >> 1 ^ ((value & 1) != 0 ? ~0u : 0u));
+}
+
+template <typename Coder>
+uint32_t BitTree::code(Coder& coder, uint32_t value) {
+    uint32_t result = 0, node = 1;
+    for (uint32_t bit = bits_; bit-- > 0;) {
+        const uint32_t upper = result | 1u << bit;
+        const uint32_t one = upper < count_ ? coder.bit(nodes_[node], value >> bit & 1) : 0;
+        result = one != 0 ? upper : result;
+        node = 2 * node + one;
+    }
+    return result;
+}
+
+template <typename Coder>
+uint32_t NumberModel::code(Coder& coder, uint32_t value) {
+    const uint64_t number = uint64_t{value} + 1;
+    uint32_t length = 1;
+    while (length < kMostLength && coder.bit(longer_[length - 1], number >> length != 0 ? 1 : 0) != 0) ++length;
+    uint64_t result = 1;
+    uint32_t rest = length - 1;
+    for (uint32_t i = 0; i < kModelledBits && rest > 0; ++i) {
+        --rest;
+        const auto bit = static_cast<uint32_t>(number >> rest & 1);
+        result = 2 * result + coder.bit(mantissa_[length - 1][result], bit);
+    }
+    result = result << rest | coder.plain_bits(rest, static_cast<uint32_t>(number));
+    return static_cast<uint32_t>(result - 1);
+}
+
+}  // namespace citystream::codec::bits

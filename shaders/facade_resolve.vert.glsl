@@ -1,0 +1,4 @@
+#version 460
+// Resolve of the keyed facade pass: one triangle over the whole picture.
+
+void main() { gl_Position = vec4(gl_VertexIndex == 1 ? 3.0 : -1.0, gl_VertexIndex == 2 ? 3.0 : -1.0, 0.0, 1.0); }

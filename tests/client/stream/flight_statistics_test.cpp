@@ -1,0 +1,64 @@
+#include "client/stream/flight_statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/client/stream/streamer_flight.h"
+#include "tests/client/stream/synthetic_city.h"
+
+namespace citystream::client {
+namespace {
+
+using Json = nlohmann::json;
+
+Json flown(const test::SyntheticCity& city, double height, bool pipeline) {
+    test::Flight flight(city);
+    FlightStatistics statistics({});
+    for (uint64_t i = 0; i < 5; ++i) {
+        flight.update(city.camera(100 + 20.0 * static_cast<double>(i), 60, height, 30, -20));
+        FlightFrame frame;
+        frame.index = i;
+        frame.stream = flight.frame;
+        statistics.add(std::move(frame));
+    }
+    FlightTotals totals;
+    totals.fetcher = flight.fetcher.statistics();
+    totals.facade_pipeline = pipeline;
+    return Json::parse(statistics.json(totals));
+}
+
+TEST(FlightStatistics, ReliefAndTheDictionaryAreCountedByFrameAndInAll) {
+    const test::SyntheticCity city;
+    const Json json = flown(city, 12, true);
+    const Json& all = json["summary"]["facades"];
+    EXPECT_TRUE(all["pipeline"]);
+    EXPECT_EQ(all["index_bytes"], city.entries.at(tiles::tileset::kFacadeIndexPath).size());
+    EXPECT_EQ(all["dictionary_bytes"], all["index_bytes"].get<uint64_t>() + all["map_bytes"].get<uint64_t>());
+    EXPECT_GT(all["map_bytes"], 0);
+    uint64_t map_bytes = 0, relief = 0;
+    for (const Json& frame : json["frames"]) {
+        map_bytes += frame["facades"]["map_bytes"].get<uint64_t>();
+        relief += frame["facades"]["relief_tiles"].get<uint64_t>();
+        EXPECT_EQ(frame["facades"]["maps"].size(), codec::facade::kMostFacadeLevels);
+    }
+    EXPECT_EQ(all["map_bytes"], map_bytes);
+    EXPECT_EQ(all["relief_tiles"], relief);
+    EXPECT_GT(relief, 0u);
+    EXPECT_GT(all["maps_most"][0], 0);
+}
+
+TEST(FlightStatistics, WithoutReliefTheDictionaryCostsNothing) {
+    test::SyntheticOptions plain;
+    plain.facades = false;
+    const Json json = flown(test::SyntheticCity(plain), 12, false);
+    const Json& all = json["summary"]["facades"];
+    EXPECT_FALSE(all["pipeline"]);
+    EXPECT_EQ(all["dictionary_bytes"], 0);
+    EXPECT_EQ(all["relief_tiles"], 0);
+    EXPECT_EQ(all["flat_tiles"], 0);
+    EXPECT_EQ(all["maps_most"], Json({0, 0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace citystream::client
