@@ -21,5 +21,8 @@ void main() {
     // Hits nearer than the near plane are not drawn: from there on the back hides nothing.
     if (camera.z < map_depth_max(map) + near_reach() * 1010.0) return;
     vec2 corner = vec2((gl_VertexIndex & 1) != 0 ? wall.size.x - kShrink : kShrink, (gl_VertexIndex & 2) != 0 ? wall.size.y - kShrink : kShrink);
-    gl_Position = project(wall_metres(wall, vec3(corner, map_depth_min(map) - kBehind)));
+    // Moved back along the rays, not along the wall's normal: a ray that passes beside the volume must not meet it.
+    float back = map_depth_min(map);
+    float moved = (camera.z - back + kBehind) / (camera.z - back);
+    gl_Position = project(moved * wall_metres(wall, vec3(corner, back)));
 }

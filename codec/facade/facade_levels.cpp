@@ -40,9 +40,14 @@ class Votes {
             same->length += length;
         }
     }
-    /// The longest; of equal ones the one that stands out furthest.
-    uint32_t winner() const {
-        const auto key = [](const Vote& v) { return std::tuple(v.length, displacement_of(v.label), v.label); };
+    /// The longest, of those that are not recessed if `closed` and there are such; of equal ones the one that stands
+    /// out furthest.
+    uint32_t winner(bool closed) const {
+        const auto key = [&](const Vote& v) {
+            const int32_t depth = displacement_of(v.label);
+            const bool recessed = depth < 0 && depth != kOpenDisplacement;
+            return std::tuple(!(closed && recessed), v.length, depth, v.label);
+        };
         return std::max_element(votes_.begin(), votes_.end(),
                                 [&](const Vote& a, const Vote& b) { return key(a) < key(b); })
             ->label;
@@ -60,6 +65,13 @@ uint32_t voting_label(uint32_t label) {
     return displacement_of(label) == kOpenDisplacement ? make_label(kOpenDisplacement, 0) : label;
 }
 
+/// A facade that is closed at its left or right border stays closed: through a recess that reaches a building's corner
+/// one looks past the wall.
+bool is_closed(const RunGrid& grid, const RunGrid& coarse, uint32_t column, uint32_t row) {
+    return (column == 0 && displacement_of(grid.label(0, row)) >= 0) ||
+           (column + 1 == coarse.columns() && displacement_of(grid.label(grid.columns() - 1, row)) >= 0);
+}
+
 RunGrid coarsen_columns(const RunGrid& grid, uint32_t texel) {
     RunGrid coarse{coarse_breaks(grid.x_breaks, texel), grid.y_breaks, {}};
     coarse.labels.reserve(size_t{coarse.columns()} * coarse.rows());
@@ -74,7 +86,7 @@ RunGrid coarsen_columns(const RunGrid& grid, uint32_t texel) {
                 votes.add(voting_label(grid.label(i, row)),
                           std::min(end, grid.x_breaks[i + 1]) - std::max(begin, grid.x_breaks[i]));
             }
-            coarse.labels.push_back(votes.winner());
+            coarse.labels.push_back(votes.winner(is_closed(grid, coarse, column, row)));
         }
     }
     return merge_equal_runs(coarse);

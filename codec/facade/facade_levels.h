@@ -25,7 +25,8 @@ std::vector<FacadeLevel> make_levels(const RunGrid& grid);
 
 /// The map on texels of `texel_cm` >= 1: each row of texels takes, texel by texel, the label that covers most of it,
 /// then each column does. What is thinner than half a texel vanishes, edges move by half a texel at most, and parts
-/// that are equal along a wall or from floor to floor stay so where they lie alike in the coarse texels. On its
+/// that are equal along a wall or from floor to floor stay so where they lie alike in the coarse texels. A border that
+/// is nowhere recessed stays so: through a recess that reaches a building's corner one looks past the wall. On its
 /// coarsest grid. O(cells) and O(coarse cells).
 RunGrid coarsen(const RunGrid& grid, uint32_t texel_cm);
 

@@ -245,6 +245,33 @@ TEST(FacadePass, ReliefMappingComesNear) {
     }
 }
 
+// Beside a corner that is seen along one of its walls, rays into the other's recess pass close by the back of the
+// first.
+TEST(FacadePass, NoBackHidesTheRecessBesideIt) {
+    const uint32_t frame = codec::facade::make_label(0, 1), glass = codec::facade::make_label(-150, 3);
+    const codec::facade::RunGrid framed = {
+        {0, 9, 591, 600}, {0, 9, 391, 400}, {frame, frame, frame, frame, glass, frame, frame, frame, frame}};
+    const Wall walls[2] = {{{0, 0, 0}, {6, 0}, 4}, {{6, 0, 0}, {0, 6}, 4}};
+    for (const bool keyed : {false, true}) {
+        RendererOptions options = options_for(FacadeRenderer::kPatch);
+        options.background = {1, 0, 1, 1};
+        options.keyed_facades = keyed;
+        const auto renderer = make_renderer(options);
+        ASSERT_NE(renderer, nullptr);
+        const FacadeScene scene = facade_scene(*renderer, FacadeRenderer::kPatch, framed, walls);
+        for (const double beside : {0.2, 0.8, 3.0}) {
+            const double yaw = std::atan2(5.85 - (6 + beside), 10) * 180 / 3.14159265358979323846;
+            const Camera camera = make_camera({6 + beside, -10, 2}, yaw, 0, 320, 240, 1);
+            const FrameImage image = draw_or_fail(*renderer, camera, std::span(&scene.tile, 1));
+            for (uint32_t y = 0; y < 240; ++y) {
+                for (uint32_t x = 0; x < 320; ++x)
+                    ASSERT_NE(pixel(image, x, y), (std::array<int, 3>{255, 0, 255})) << beside << ": " << x << " " << y;
+            }
+        }
+        EXPECT_EQ(renderer->validation_messages(), 0u);
+    }
+}
+
 // Four equal walls around a block, a roof and the ground: from outside no pixel between them shows the background.
 TEST(FacadePass, CornersOfABuildingHaveNoGaps) {
     RendererOptions options = options_for(FacadeRenderer::kPatch);

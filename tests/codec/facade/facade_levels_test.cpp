@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
@@ -65,9 +66,13 @@ TEST(Coarsen, TakesTheLabelThatCoversMostOfEachRowThenOfEachColumnOfATexel) {
             const bool open = m.displacement_mm[at] == kOpenDisplacement;
             return open ? kOpen : make_label(m.displacement_mm[at], m.material[at]);
         };
-        const auto most = [](const std::map<uint32_t, uint32_t>& votes) {
+        // Of the labels that are not recessed, if `closed` and there are any.
+        const auto most = [](const std::map<uint32_t, uint32_t>& votes, bool closed) {
+            const auto recessed = [](uint32_t label) { return displacement_of(label) < 0 && label != kOpen; };
+            const bool any = std::any_of(votes.begin(), votes.end(), [&](const auto& v) { return !recessed(v.first); });
             uint32_t best = 0, count = 0;
             for (const auto& [label, n] : votes) {
+                if (closed && any && recessed(label)) continue;
                 const bool higher = displacement_of(label) > displacement_of(best) ||
                                     (displacement_of(label) == displacement_of(best) && label > best);
                 if (n > count || (n == count && higher)) best = label, count = n;
@@ -76,13 +81,20 @@ TEST(Coarsen, TakesTheLabelThatCoversMostOfEachRowThenOfEachColumnOfATexel) {
         };
         for (uint32_t y0 = 0; y0 < height; y0 += texel) {
             for (uint32_t x0 = 0; x0 < width; x0 += texel) {
+                const uint32_t x1 = std::min(width, x0 + texel), y1 = std::min(height, y0 + texel);
+                std::vector<uint32_t> rows;
                 std::map<uint32_t, uint32_t> column;
-                for (uint32_t y = y0; y < std::min(height, y0 + texel); ++y) {
+                for (uint32_t y = y0; y < y1; ++y) {
                     std::map<uint32_t, uint32_t> row;
-                    for (uint32_t x = x0; x < std::min(width, x0 + texel); ++x) ++row[label_of(before, x, y)];
-                    ++column[most(row)];
+                    for (uint32_t x = x0; x < x1; ++x) ++row[label_of(before, x, y)];
+                    const bool closed = (x0 == 0 && displacement_of(label_of(before, 0, y)) >= 0) ||
+                                        (x1 == width && displacement_of(label_of(before, width - 1, y)) >= 0);
+                    rows.push_back(most(row, closed));
+                    ++column[rows.back()];
                 }
-                const uint32_t expected = most(column);
+                const bool closed = (y0 == 0 && displacement_of(rows.front()) >= 0) ||
+                                    (y1 == height && displacement_of(rows.back()) >= 0);
+                const uint32_t expected = most(column, closed);
                 for (uint32_t y = y0; y < std::min(height, y0 + texel); ++y) {
                     for (uint32_t x = x0; x < std::min(width, x0 + texel); ++x)
                         ASSERT_EQ(label_of(after, x, y), expected) << texel << ": " << x << " " << y;
@@ -127,6 +139,26 @@ TEST(Coarsen, ThinFramesVanishAndWindowsStay) {
     EXPECT_NEAR(static_cast<double>(glass) / texels, 1.06 * 1.36 / (2.5 * 3), 0.05);
     const double exact_frames = 2 * 0.07 * (1.2 + 1.36) / (2.5 * 3);
     EXPECT_LT(static_cast<double>(frame) / texels, 0.8 * exact_frames);
+}
+
+TEST(Coarsen, AClosedBorderStaysClosed) {
+    // 9 cm of frame around glass: in a texel of 64 cm most is glass, and through it one would look past the corner.
+    constexpr uint32_t kFin = make_label(20, 1);
+    RunGrid grid{{0, 9, 391, 400}, {0, 9, 291, 300}, {}};
+    for (uint32_t row = 0; row < 3; ++row) {
+        for (uint32_t column = 0; column < 3; ++column) grid.labels.push_back(row == 1 && column == 1 ? kGlass : kFin);
+    }
+    for (const uint32_t texel : {4U, 16U, 64U}) {
+        const RunGrid coarse = coarsen(grid, texel);
+        for (uint32_t column = 0; column < coarse.columns(); ++column) {
+            EXPECT_EQ(coarse.label(column, 0), kFin) << texel;
+            EXPECT_EQ(coarse.label(column, coarse.rows() - 1), kFin) << texel;
+        }
+        for (uint32_t row = 0; row < coarse.rows(); ++row) {
+            EXPECT_EQ(coarse.label(0, row), kFin) << texel;
+            EXPECT_EQ(coarse.label(coarse.columns() - 1, row), kFin) << texel;
+        }
+    }
 }
 
 TEST(Coarsen, OpenCellsOfSeveralMaterialsVoteTogether) {
