@@ -82,7 +82,7 @@ Fit fit_floors(const DressStoreys& storeys, FacadePiece piece, double height_cm,
 uint8_t shared_variant(FacadeUse use, FacadeRole role, uint8_t variant) {
     if (use == FacadeUse::kGarage) return 0;
     if (role == FacadeRole::kFront || use == FacadeUse::kTower || use == FacadeUse::kHall) return variant;
-    return use == FacadeUse::kApartment ? variant % 3 : variant % 2;
+    return static_cast<uint8_t>(variant % (use == FacadeUse::kApartment ? 3 : 2));
 }
 
 /// Row houses, halls and garages have no rear of their own, towers look alike all around but for the entrance.
