@@ -23,9 +23,6 @@ static_assert(FACADE_BINARY_WORD_BOX_INDEX == FACADE_BINARY_WORD_MATERIAL + FACA
 
 // Encoding.
 
-/// So that every section's first word fits its field.
-constexpr uint64_t kMostWords = uint64_t{1} << 31;
-
 struct Factored {
     DistinctMatrix matrix;
     BinaryFactors factors;
@@ -124,33 +121,23 @@ Result<BinaryFactors> factor_for_search(const DistinctMatrix& matrix, uint64_t m
 class Factorizer {
   public:
     Factorizer(const RunGrid& grid, BinaryVariant variant, uint32_t most_times_raw)
-        : grid_(grid), variant_(variant), most_times_raw_(most_times_raw) {
-        const uint64_t texels = uint64_t{grid.width()} * grid.height();
-        for (const uint32_t bits : {16U, material_bits(grid), 32U})
-            allowed_words_ += packed_words(texels, bits) * most_times_raw;
-        allowed_words_ = std::min(allowed_words_, kMostWords);
-    }
+        : grid_(grid), variant_(variant), allowance_(grid, most_times_raw) {}
 
-    /// Once the boxes are known: box indices of the raw map may be shorter than assumed.
-    void set_box_count(uint64_t count) {
-        const uint64_t texels = uint64_t{grid_.width()} * grid_.height();
-        const uint64_t saved = packed_words(texels, 32) - packed_words(texels, box_index_bits(count));
-        allowed_words_ -= std::min(allowed_words_, saved * most_times_raw_);
-    }
+    void set_box_count(uint64_t count) { allowance_.set_box_count(count); }
 
     Result<Factored> factor(std::string_view what, const std::vector<uint32_t>& values) {
         Factored map{make_distinct_matrix(grid_, values), {}};
         const bool shared = variant_ == BinaryVariant::kShared;
         const uint64_t lines = shared ? map.matrix.rows() + map.matrix.columns() : grid_.width() + grid_.height();
         // A term takes one bit in each line and a word of its own.
-        const uint64_t most_terms = allowed_words_ * 32 / (lines + 32);
+        const uint64_t most_terms = allowance_.words() * 32 / (lines + 32);
         auto factors = shared ? factor_for_search(map.matrix, most_terms) : factor_binary(map.matrix, most_terms);
         if (!factors) return refusal(what, factors.error().message);
         map.factors = std::move(*factors);
         uint64_t words = lines * map.row_words() + map.factors.terms.size();
         if (shared) words += packed_words(grid_.height(), 16) + packed_words(grid_.width(), 16);
-        if (words > allowed_words_) return refusal(what, "the map would be larger than raw");
-        allowed_words_ -= words;
+        if (words > allowance_.words()) return refusal(what, "the map would be larger than raw");
+        allowance_.take(words);
         return map;
     }
 
@@ -161,7 +148,7 @@ class Factorizer {
 
     const RunGrid& grid_;
     BinaryVariant variant_;
-    uint64_t most_times_raw_, allowed_words_ = 0;
+    WordAllowance allowance_;
 };
 
 // Reading.

@@ -27,9 +27,6 @@ constexpr uint32_t groups_of(uint32_t terms) {
 
 // Encoding.
 
-/// So that every section's first word fits its field.
-constexpr uint64_t kMostWords = uint64_t{1} << 31;
-
 struct Factored {
     DistinctMatrix matrix;
     SingularValueFactors factors;
@@ -38,33 +35,23 @@ struct Factored {
 /// Factors the three matrices, each in what the ones before left of the words of the raw map.
 class Factorizer {
   public:
-    Factorizer(const RunGrid& grid, uint32_t most_times_raw) : grid_(grid), most_times_raw_(most_times_raw) {
-        const uint64_t texels = uint64_t{grid.width()} * grid.height();
-        for (const uint32_t bits : {16U, material_bits(grid), 32U})
-            allowed_words_ += packed_words(texels, bits) * most_times_raw;
-        allowed_words_ = std::min(allowed_words_, kMostWords);
-    }
+    Factorizer(const RunGrid& grid, uint32_t most_times_raw) : grid_(grid), allowance_(grid, most_times_raw) {}
 
-    /// Once the boxes are known: box indices of the raw map may be shorter than assumed.
-    void set_box_count(uint64_t count) {
-        const uint64_t texels = uint64_t{grid_.width()} * grid_.height();
-        const uint64_t saved = packed_words(texels, 32) - packed_words(texels, box_index_bits(count));
-        allowed_words_ -= std::min(allowed_words_, saved * most_times_raw_);
-    }
+    void set_box_count(uint64_t count) { allowance_.set_box_count(count); }
 
     Result<Factored> factor(std::string_view what, const std::vector<uint32_t>& values) {
         Factored map{make_distinct_matrix(grid_, values), {}};
         const uint64_t line_words = grid_.width() + grid_.height();
-        auto factors = factor_singular_values(map.matrix, allowed_words_ / (4 * line_words) * 4, what);
+        auto factors = factor_singular_values(map.matrix, allowance_.words() / (4 * line_words) * 4, what);
         if (!factors) return factors.error();
         map.factors = std::move(*factors);
-        allowed_words_ -= line_words * groups_of(map.factors.terms) * 4;
+        allowance_.take(line_words * groups_of(map.factors.terms) * 4);
         return map;
     }
 
   private:
     const RunGrid& grid_;
-    uint64_t most_times_raw_, allowed_words_ = 0;
+    WordAllowance allowance_;
 };
 
 /// Appends a row of groups for every texel row (or column); returns the first word.

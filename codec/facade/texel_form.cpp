@@ -108,6 +108,18 @@ Result<RunGrid> unpack_matrices(std::span<const uint32_t> words, const FormHead&
     return make_run_grid(matrices);
 }
 
+WordAllowance::WordAllowance(const RunGrid& grid, uint32_t most_times_raw)
+    : texels_(uint64_t{grid.width()} * grid.height()), most_times_raw_(most_times_raw) {
+    constexpr uint64_t kMostWords = uint64_t{1} << 31;
+    for (const uint32_t bits : {16U, material_bits(grid), 32U}) words_ += packed_words(texels_, bits) * most_times_raw_;
+    words_ = std::min(words_, kMostWords);
+}
+
+void WordAllowance::set_box_count(uint64_t count) {
+    const uint64_t saved = packed_words(texels_, 32) - packed_words(texels_, box_index_bits(count));
+    words_ -= std::min(words_, saved * most_times_raw_);
+}
+
 Error error_at_word(std::string message, uint64_t word) {
     return Error{std::move(message), word * sizeof(uint32_t)};
 }

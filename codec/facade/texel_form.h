@@ -48,6 +48,21 @@ constexpr uint32_t box_index_bits(uint64_t box_count) {
     return box_count <= 65536 ? 16 : 32;
 }
 
+/// Words that the factors of D, M and A may take together: those of the raw form times a factor, and never so many that
+/// a section's first word would not fit its field.
+class WordAllowance {
+  public:
+    WordAllowance(const RunGrid& grid, uint32_t most_times_raw);
+    /// Once the boxes are known: box indices of the raw form may be shorter than assumed.
+    void set_box_count(uint64_t count);
+    /// Precondition: words <= words().
+    void take(uint64_t words) { words_ -= words; }
+    uint64_t words() const { return words_; }
+
+  private:
+    uint64_t texels_, most_times_raw_, words_ = 0;
+};
+
 /// Appends the records of FACADE_BOX_WORDS. Returns the first word.
 uint32_t append_boxes(std::vector<uint32_t>& words, std::span<const FreeBox> boxes);
 FreeBox read_box(std::span<const uint32_t> words, uint32_t first, uint32_t index);
