@@ -21,7 +21,6 @@ namespace citystream::bench {
 
 namespace {
 
-using client::FacadeRenderer;
 using codec::facade::FacadeForm;
 using codec::facade::FacadeMatrices;
 using codec::facade::FreeBox;
@@ -107,22 +106,8 @@ void count_lookups(const Truth& truth, const Words& words, RepresentationRow& ro
     row.loads_per_lookup = static_cast<double>(cost.loads) / kLookups;
 }
 
-FacadeRenderer renderer_of(const Words& words) {
-    switch (codec::facade::read_form_head(words)->form) {
-        case FacadeForm::kRaw:
-            return FacadeRenderer::kFdm;
-        case FacadeForm::kMaxMip:
-            return FacadeRenderer::kMaxMip;
-        case FacadeForm::kSvd:
-            return FacadeRenderer::kCfdm;
-        case FacadeForm::kBinary:
-            return FacadeRenderer::kBcfdm;
-        default:
-            return FacadeRenderer::kPatch;
-    }
-}
-
 void count_rays(const Truth& truth, const Words& words, RepresentationRow& row) {
+    const auto renderer = shaders_test::exact_renderer_of(codec::facade::read_form_head(words)->form);
     shaders_test::ShaderCost cost;
     std::mt19937 random(1);
     const auto part = [&] { return static_cast<double>(random()) / 4294967296.0; };
@@ -137,7 +122,7 @@ void count_rays(const Truth& truth, const Words& words, RepresentationRow& row) 
             const float direction[3] = {static_cast<float>(std::sin(tilt) * std::cos(turn) / 10),
                                         static_cast<float>(std::sin(tilt) * std::sin(turn) / 10),
                                         static_cast<float>(-std::cos(tilt))};
-            shaders_test::cast_on_cpu(renderer_of(words), words, origin, direction, 0, 0, &cost);
+            shaders_test::cast_on_cpu(renderer, words, origin, direction, 0, 0, &cost);
         }
     }
     row.loads_per_ray = static_cast<double>(cost.loads) / (kRaysAnAngle * static_cast<double>(std::size(kDegrees)));

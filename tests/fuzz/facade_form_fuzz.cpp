@@ -11,25 +11,9 @@
 namespace {
 
 using namespace citystream::codec::facade;
-using citystream::client::FacadeRenderer;
 
 /// Re-encoding large maps would only make the fuzzer slow.
 constexpr uint32_t kMostTexels = 1u << 13;
-
-FacadeRenderer renderer_of(FacadeForm form) {
-    switch (form) {
-        case FacadeForm::kMaxMip:
-            return FacadeRenderer::kMaxMip;
-        case FacadeForm::kRaw:
-            return FacadeRenderer::kFdm;
-        case FacadeForm::kSvd:
-            return FacadeRenderer::kCfdm;
-        case FacadeForm::kBinary:
-            return FacadeRenderer::kBcfdm;
-        default:
-            return FacadeRenderer::kPatch;
-    }
-}
 
 /// The shaders throw where they leave the words: a crash here.
 void look_and_cast(const std::vector<uint32_t>& words, const FormHead& head) {
@@ -43,7 +27,8 @@ void look_and_cast(const std::vector<uint32_t>& words, const FormHead& head) {
     for (const auto& origin : origins) {
         const float direction[3] = {width / 3 - origin[0], height / 4 - origin[1],
                                     static_cast<float>(head.depths.min_mm) - origin[2]};
-        citystream::shaders_test::cast_on_cpu(renderer_of(head.form), words, origin, direction);
+        citystream::shaders_test::cast_on_cpu(citystream::shaders_test::exact_renderer_of(head.form), words, origin,
+                                              direction);
     }
 }
 

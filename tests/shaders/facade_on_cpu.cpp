@@ -160,4 +160,19 @@ uint32_t lookup_on_cpu(std::span<const uint32_t> words, uint32_t x, uint32_t y, 
     return label;
 }
 
+client::FacadeRenderer exact_renderer_of(codec::facade::FacadeForm form) {
+    switch (form) {
+        case codec::facade::FacadeForm::kRaw:
+            return client::FacadeRenderer::kFdm;
+        case codec::facade::FacadeForm::kMaxMip:
+            return client::FacadeRenderer::kMaxMip;
+        case codec::facade::FacadeForm::kSvd:
+            return client::FacadeRenderer::kCfdm;
+        case codec::facade::FacadeForm::kBinary:
+            return client::FacadeRenderer::kBcfdm;
+        default:
+            return client::FacadeRenderer::kPatch;
+    }
+}
+
 }  // namespace citystream::shaders_test

@@ -31,6 +31,9 @@ struct ShaderHit {
 ShaderHit cast_on_cpu(client::FacadeRenderer renderer, std::span<const uint32_t> words, const float origin[3],
                       const float direction[3], float begin = 0, float margin = 0, ShaderCost* cost = nullptr);
 
+/// A renderer that casts rays exactly against maps of this form.
+client::FacadeRenderer exact_renderer_of(codec::facade::FacadeForm form);
+
 /// Label of a texel by the lookup of the map's form.
 uint32_t lookup_on_cpu(std::span<const uint32_t> words, uint32_t x, uint32_t y, ShaderCost* cost = nullptr);
 
