@@ -24,7 +24,7 @@ struct Arguments {
     std::string path_file, folder, size = "1280x720";
     std::vector<double> tolerances;  ///< kUsualTolerances when no knob is given
     std::vector<double> gpu_budgets_mib, relief_tolerances;
-    std::vector<std::string> map_levels, facade_renderers, also;
+    std::vector<std::string> map_levels, facade_renderers, facade_samples, also;
     std::string map_level = "auto", facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)};
     std::optional<double> relief_tolerance;
     bool json = false;
@@ -43,6 +43,7 @@ std::string reference_beside(const std::string& city) {
 
 std::vector<std::string> renderer_names() {
     std::vector<std::string> names;
+    names.reserve(kFacadeRenderers.size());
     for (const FacadeRenderer renderer : kFacadeRenderers) names.emplace_back(facade_renderer_name(renderer));
     return names;
 }
@@ -73,6 +74,7 @@ Result<std::vector<Setting>> settings_of(const Arguments& arguments) {
     add_numbers("relief-tolerance", arguments.relief_tolerances);
     add_names("map-level", arguments.map_levels);
     add_names("facade-renderer", arguments.facade_renderers);
+    add_names("facade-samples", arguments.facade_samples);
     if (!arguments.also.empty()) settings.push_back({"archive", 0, "as given", arguments.sweep.city});
     for (const std::string& text : arguments.also) {
         auto archive = parse_archive(text);
@@ -160,6 +162,10 @@ int main(int argc, char** argv) {
     app.add_option("--facade-renderers", arguments.facade_renderers, "Ways to ray cast relief")
         ->delimiter(',')
         ->check(CLI::IsMember(renderer_names()));
+    app.add_option("--facade-samples", arguments.facade_samples,
+                   "Rays of pixels that cover more than the finest parts of their facade")
+        ->delimiter(',')
+        ->check(CLI::IsMember(facade_sample_names()));
     app.add_option("--also", arguments.also,
                    "NAME=CITY: the same city built otherwise, for example with another --merge-tolerance; repeat it")
         ->allow_extra_args(false);

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "codec/html_text.h"
+
 namespace citystream::server {
 namespace {
 
@@ -31,32 +33,6 @@ th{font-weight:600;text-align:left}td,th{padding:.2rem 0;border-bottom:1px solid
 td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}
 code,pre{font:.85rem/1.5 ui-monospace,monospace}pre{overflow-x:auto;padding:.75rem;border:1px solid var(--line);border-radius:.4rem}
 )css";
-
-std::string escape_html(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            case '\'':
-                out += "&#39;";
-                break;
-            default:
-                out += c;
-        }
-    }
-    return out;
-}
 
 std::string grouped(uint64_t number) {
     std::string digits = fmt::format("{}", number);

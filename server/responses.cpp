@@ -165,7 +165,7 @@ Response answer_preflight(const Context& context) {
     return response;
 }
 
-Response answer_not_modified(const Context& context, Representation source) {
+Response answer_not_modified(const Context& context, const Representation& source) {
     Response response;
     response.status = 304;
     response.close = context.close;
@@ -208,7 +208,7 @@ Response answer_representation(const Context& context, Representation source) {
     }
     if (!request.if_none_match.empty() && !source.etag.empty() &&
         etag_listed(request.if_none_match, source.etag, true)) {
-        return answer_not_modified(context, std::move(source));
+        return answer_not_modified(context, source);
     }
     RangeChoice range;
     const bool same_entity =

@@ -9,6 +9,8 @@ layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Fac
     FacadeMapEntry entry[];
 };
 
+layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer PlacementMaps { uint entry[]; };
+
 layout(push_constant) uniform Constants { DrawConstants constants; };
 
 bool has_atlas() { return (constants.tile.atlas[0] | constants.tile.atlas[1]) != 0u; }

@@ -1,6 +1,8 @@
 #version 460
-// Facade pass: casts the pixel's ray into the volume, textures and lights what it hits, and writes its depth. Compiled for each facade renderer,
-// in two ways. Hits lie behind the quad (reversed z), so what is hidden need not be cast:
+// Facade pass: casts the pixel's ray into the volume, textures and lights what it hits, and writes its depth. A pixel that covers more than the
+// finest parts of its map casts more rays beside that one, which alone decides whether and where something is hit, and takes the mean of the
+// colours (facade_samples.glsl): relief below a pixel neither shimmers nor changes its tint. Compiled for each facade renderer, in two ways.
+// Hits lie behind the quad (reversed z), so what is hidden need not be cast:
 //   plain  writes conservative depth, by which a GPU rejects hidden fragments before their shader runs;
 //   keyed  (FACADE_KEYED) for devices that do so only where no depth is written (lavapipe): tests the quad's depth, writes none, and puts the
 //          hit as depth | colour into its pixel's key, of which the greatest stays. facade_resolve.frag.glsl draws the keys.
@@ -17,6 +19,7 @@
 #include "shaders/draw_constants.glsl"
 #include "shaders/facade_cast.glsl"
 #include "shaders/facade_margin.glsl"
+#include "shaders/facade_samples.glsl"
 #include "shaders/lighting.glsl"
 
 layout(location = 0) in vec3 place;
@@ -26,6 +29,9 @@ layout(location = 3) flat in uvec4 map_head;
 layout(location = 4) flat in uvec4 map_own;
 layout(location = 5) flat in vec2 along;
 layout(location = 6) flat in uint palette;
+layout(location = 7) flat in vec3 right;
+layout(location = 8) flat in vec3 down;
+layout(location = 9) flat in vec2 finest;
 
 #ifdef FACADE_KEYED
 layout(early_fragment_tests) in;
@@ -71,15 +77,26 @@ vec3 hit_texel(uint slot, vec2 at, vec2 dx, vec2 dy) {
                         at * repeats_per_texel, dx * repeats_per_texel, dy * repeats_per_texel);
 }
 
+// Colour of a hit. `change_x`, `change_y`: how the ray changes over what the sample stands for.
+vec3 shade(FacadeMap map, FacadeHit hit, vec3 start, vec3 ray, vec3 change_x, vec3 change_y) {
+    vec3 texel = kUntexturedColour;
+    if (has_atlas()) {
+        float t = 1.0 + hit.t;
+        // Hits in the margin show the facade's rim.
+        vec2 on_wall = clamp((start + hit.t * ray).xy, vec2(0.0), vec2(map_width(map), map_height(map)));
+        texel = hit_texel(hit.label >> 16, on_wall, hit_gradient(ray, change_x, hit.axis, t).xy, hit_gradient(ray, change_y, hit.axis, t).xy);
+    }
+    return lit(texel, hit_normal(hit)).rgb;
+}
+
 void main() {
-    vec3 ray = place - camera;
-    vec3 ray_dx = dFdx(place);
-    vec3 ray_dy = dFdy(place);
     FacadeMap map = FacadeMap(map_layer, map_head, map_own);
     // Counted from the quad, where coordinates are small and exact; the camera is at t = -1.
+    vec3 ray = place - camera;
     FacadeHit hit = cast_facade_ray(map, place, ray, -1.0, kEdgeMargin);
-    float distance = (1.0 + hit.t) / gl_FragCoord.w;
+    float reach = 1.0 / gl_FragCoord.w;  // of the quad, along the view direction
     float near_plane = constants.frame.near_plane;
+    float distance = (1.0 + hit.t) * reach;
     if (!hit.hit || distance < near_plane) {
         discard;
         return;
@@ -87,13 +104,21 @@ void main() {
     vec3 at = place + hit.t * ray;
     float depth = near_plane / distance * (hit.at_edge && at.z <= 0.0 ? kEdgeYields : 1.0);
 
-    vec3 texel = kUntexturedColour;
-    if (has_atlas()) {
-        vec3 dx = hit_gradient(ray, ray_dx, hit.axis, 1.0 + hit.t);
-        vec3 dy = hit_gradient(ray, ray_dy, hit.axis, 1.0 + hit.t);
-        // Hits in the margin show the facade's rim.
-        vec2 on_wall = clamp(at.xy, vec2(0.0), vec2(map_width(map), map_height(map)));
-        texel = hit_texel(hit.label >> 16, on_wall, dx.xy, dy.xy);
+    vec3 ray_dx = right * reach;
+    vec3 ray_dy = down * reach;
+    FacadeTableHead head = FacadeMapTable(layer_reference(constants.tile.facade_maps)).head;
+    uint count = facade_sample_count(facade_footprint(ray, ray_dx, ray_dy, 1.0 + hit.t), finest, head.samples);
+    float share = inversesqrt(float(count));
+    vec3 sum = shade(map, hit, place, ray, ray_dx * share, ray_dy * share);
+    float hits = 1.0;
+    for (uint i = 1u; i < count; ++i) {
+        vec2 offset = facade_sample_offset(i, count);
+        vec3 aside = offset.x * ray_dx + offset.y * ray_dy;
+        FacadeHit other = cast_facade_ray(map, place + aside, ray + aside, -1.0, kEdgeMargin);
+        if (other.hit && (1.0 + other.t) * reach >= near_plane) {
+            sum += shade(map, other, place + aside, ray + aside, ray_dx * share, ray_dy * share);
+            hits += 1.0;
+        }
     }
-    write_hit(min(depth, gl_FragCoord.z), lit(texel, hit_normal(hit)));
+    write_hit(min(depth, gl_FragCoord.z), vec4(sum / hits, 1.0));
 }

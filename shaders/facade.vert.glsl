@@ -20,12 +20,16 @@ layout(location = 3) flat out uvec4 map_head;
 layout(location = 4) flat out uvec4 map_own;
 layout(location = 5) flat out vec2 along;            // the wall's direction
 layout(location = 6) flat out uint palette;          // word in the facade layer
+layout(location = 7) flat out vec3 right;            // facade space: from pixel to pixel at distance 1 along the view direction
+layout(location = 8) flat out vec3 down;
+layout(location = 9) flat out vec2 finest;           // texels: the map's finest runs
 
 void hide() {
     gl_Position = vec4(0.0, 0.0, -1.0, 1.0);
-    place = camera = vec3(0.0);
+    place = camera = right = down = vec3(0.0);
     along = vec2(0.0);
     palette = 0u;
+    finest = vec2(0.0);
     map_layer = uvec2(0u);
     map_head = map_own = uvec4(0u);
 }
@@ -56,6 +60,11 @@ void main() {
     map_own = map.own;
     along = wall.along;
     palette = placement.palette;
+    finest = placement.finest;
+    FacadeTableHead head = FacadeMapTable(layer_reference(constants.tile.facade_maps)).head;
+    vec3 centre = unproject(vec2(0.0));
+    right = wall_direction(wall, unproject(vec2(2.0 / float(head.width), 0.0)) - centre);
+    down = wall_direction(wall, unproject(vec2(0.0, 2.0 / float(head.height))) - centre);
 
     vec3 low = vec3(vec2(-kEdgeMargin), map_depth_min(map));
     vec3 high = vec3(wall.size + kEdgeMargin, map_depth_max(map));

@@ -19,7 +19,12 @@ uint max_mip_level_words(FacadeMap map, uint level) {
     return (across * upwards + 7u) / 8u * 4u;
 }
 
-uint max_mip_level_base(FacadeMap map, uint level) { return layer_word(map.layer, uint(FACADE_MAX_MIP_WORD_LEVELS) + level); }
+// First word of a level, counted rather than loaded.
+uint max_mip_level_base(FacadeMap map, uint level) {
+    uint base = uint(FACADE_MAX_MIP_HEADER_WORDS);
+    for (uint k = 0u; k < level; ++k) base += max_mip_level_words(map, k);
+    return base;
+}
 
 uint max_mip_displacement(FacadeMap map, uint x, uint y) {
     return max_mip_entry(map, uint(FACADE_MAX_MIP_HEADER_WORDS), 0u, x, y);

@@ -10,6 +10,7 @@ struct FacadePlacement {
     bool visible;    // its map is there and it has a size
     bool is_opaque;  // its map has no open cells
     uvec2 layer;   // of the map
+    vec2 finest;   // texels: the map's finest runs
     uint palette;  // word in the facade layer
     ivec3 origin;  // grid units from the camera's cell: lower left corner seen from outside
     ivec2 along;   // to the lower right corner
@@ -25,17 +26,10 @@ struct WallFrame {
     vec3 per_metre;  // texels, texels, millimetres
 };
 
-// Index in the tile's table; its entry count when the map is not there.
-uint find_map(uint map) {
+// The level of a map that the client chose for a placement of the tile.
+FacadeMapEntry map_of_placement(uint index) {
     FacadeMapTable table = FacadeMapTable(layer_reference(constants.tile.facade_maps));
-    uint low = 0u;
-    uint high = constants.tile.facade_map_count;
-    while (low < high) {
-        uint middle = (low + high) >> 1;
-        if (table.entry[middle].map < map) low = middle + 1u;
-        else high = middle;
-    }
-    return low < constants.tile.facade_map_count && table.entry[low].map == map ? low : constants.tile.facade_map_count;
+    return table.entry[PlacementMaps(layer_reference(table.head.map_of_placement)).entry[index]];
 }
 
 FacadePlacement facade_placement(uint index) {
@@ -49,14 +43,10 @@ FacadePlacement facade_placement(uint index) {
     placement.height = layer_word(facade, first + FACADE_PLACEMENT_HEIGHT);
     placement.palette = layer_word(facade, FACADE_LAYER_WORD_PALETTES) +
                         layer_word(facade, first + FACADE_PLACEMENT_PALETTE) * FACADE_PALETTE_WORDS;
-    placement.layer = uvec2(0u);
-    placement.is_opaque = false;
-    uint found = find_map(layer_word(facade, first + FACADE_PLACEMENT_MAP));
-    if (found < constants.tile.facade_map_count) {
-        FacadeMapEntry entry = FacadeMapTable(layer_reference(constants.tile.facade_maps)).entry[found];
-        placement.layer = layer_reference(entry.layer);
-        placement.is_opaque = entry.is_opaque != 0u;
-    }
+    FacadeMapEntry map = map_of_placement(index);
+    placement.layer = layer_reference(map.layer);
+    placement.is_opaque = map.is_opaque != 0u;
+    placement.finest = vec2(map.finest[0], map.finest[1]);
     placement.visible = placement.layer != uvec2(0u) && placement.along != ivec2(0) && placement.height != 0u;
     return placement;
 }

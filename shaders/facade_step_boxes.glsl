@@ -18,7 +18,7 @@ FacadeHit step_boxes(FacadeMap map, FacadeRay ray, FacadeSpan span) {
     uint label = texel_displacement(map, texels, x, y);
     FacadeHit hit = facade_arrive(ray, t, span.axis, label);
     // Every step leaves a texel for good.
-    uint most_steps = width + height + 2u;
+    uint most_steps = STEP_BOUND(width + height + 2u);
     for (uint i = 0u; i < most_steps; ++i) {
         if (hit.hit) return boxes_hit(map, hit, x, y);
         COUNT_STEP();

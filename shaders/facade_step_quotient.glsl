@@ -55,9 +55,8 @@ FacadeHit step_quotient(FacadeMap map, FacadeRay ray, FacadeSpan span) {
     float t = span.enter;
     int axis = span.axis;
     uint tested = 0xffffffffu;
-    uint label = 0u;
     // A step leaves a texel column, a texel row, or the part of a block above its greatest displacement; and one begins the walk.
-    uint most_steps = 2u * (width + height) + 2u;
+    uint most_steps = STEP_BOUND(2u * (width + height) + 2u);
     for (uint i = 0u; i < most_steps; ++i) {
         COUNT_STEP();
         uint x0 = x >> uint(BLOCK_LOG2) << uint(BLOCK_LOG2);
@@ -93,7 +92,7 @@ FacadeHit step_quotient(FacadeMap map, FacadeRay ray, FacadeSpan span) {
         float up_t = run_exit(ray, 1, y0, y1, height);
         float until = max(t, min(min(across_t, up_t), span.leave));
         if (!passes) {
-            label = map_form(map) == uint(FACADE_FORM_QUOTIENT) ? quotient_class_label(map, across.key, up.key)
+            uint label = map_form(map) == uint(FACADE_FORM_QUOTIENT) ? quotient_class_label(map, across.key, up.key)
                                                                : tiled_run_label(map, across.key, up.key);
             FacadeHit hit = facade_arrive(ray, t, axis, label);
             if (!hit.hit) hit = facade_front(ray, t, until, label);
@@ -111,7 +110,7 @@ FacadeHit step_quotient(FacadeMap map, FacadeRay ray, FacadeSpan span) {
             y = clamp(facade_texel(ray, 1, t, height), y0, min(y1, height) - 1u);
         }
     }
-    return facade_stuck(t, label);
+    return facade_stuck(t, map_form(map) == uint(FACADE_FORM_QUOTIENT) ? lookup_quotient(map, x, y) : lookup_tiled(map, x, y));
 }
 
 #endif

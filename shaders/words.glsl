@@ -12,6 +12,8 @@
 #define INOUT(type) inout type
 // Marks a step of a ray: counted on the CPU.
 #define COUNT_STEP()
+// The most steps of a ray: tests on the CPU lower it.
+#define STEP_BOUND(most) (most)
 
 layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer WordArray { uint word[]; };
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer WordGroupArray { uvec4 group[]; };

@@ -164,6 +164,7 @@ nlohmann::json facade_work_json(const layers::BuildSummary& summary) {
                            {"walls_curved", r.walls_curved},
                            {"walls_shared", r.walls_shared},
                            {"walls_degenerate", r.walls_degenerate},
+                           {"hidden_by_neighbours", r.hidden_by_neighbours},
                            {"pictures_covered", r.pictures_covered},
                            {"maps", r.maps}};
     }

@@ -323,7 +323,7 @@ Result<GlbScene> Loader::load(const std::string& path) {
         for (const tinygltf::Primitive& primitive : model_.meshes[i].primitives) {
             GlbPrimitive out;
             if (!read_primitive(primitive, out)) return Error{path + ": mesh " + std::to_string(i) + ": " + error_};
-            scene_.meshes[i].push_back(std::move(out));
+            scene_.meshes[i].push_back(out);
         }
     }
     const Matrix identity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};

@@ -17,6 +17,11 @@
 namespace citystream::client {
 namespace {
 
+/// Where a vertex attribute begins in the bound buffer: OpenGL takes the offset as a pointer.
+const void* buffer_offset(size_t bytes) {
+    return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr)
+}
+
 constexpr const char* kVertexShader = R"(#version 300 es
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
@@ -309,7 +314,7 @@ void GlesReferenceRenderer::draw_mesh(const GlbDraw& draw, const std::array<doub
                      GL_STREAM_DRAW);
         for (GLuint i = 0; i < 4; ++i) {
             glEnableVertexAttribArray(3 + i);
-            glVertexAttribPointer(3 + i, 3, GL_FLOAT, GL_FALSE, 48, reinterpret_cast<const void*>(size_t{12} * i));
+            glVertexAttribPointer(3 + i, 3, GL_FLOAT, GL_FALSE, 48, buffer_offset(size_t{12} * i));
             glVertexAttribDivisor(3 + i, 1);
         }
         glBindBuffer(GL_ARRAY_BUFFER, geometry.vertices);
@@ -317,7 +322,7 @@ void GlesReferenceRenderer::draw_mesh(const GlbDraw& draw, const std::array<doub
         for (GLuint i = 0; i < 3; ++i) {
             glEnableVertexAttribArray(i);
             glVertexAttribPointer(i, components[i], GL_FLOAT, GL_FALSE, sizeof(GlbVertex),
-                                  reinterpret_cast<const void*>(size_t{12} * i));
+                                  buffer_offset(size_t{12} * i));
         }
         glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, geometry.indices);
         const auto count = static_cast<GLsizei>(instance_data_.size() / 12);
@@ -327,7 +332,7 @@ void GlesReferenceRenderer::draw_mesh(const GlbDraw& draw, const std::array<doub
 }
 
 FrameImage GlesReferenceRenderer::read_back() const {
-    const uint32_t n = options_.supersample, width = options_.width * n, height = options_.height * n;
+    const uint32_t n = std::max(1u, options_.supersample), width = options_.width * n, height = options_.height * n;
     std::vector<uint8_t> raw(size_t{4} * width * height);
     glReadPixels(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height), GL_RGBA, GL_UNSIGNED_BYTE,
                  raw.data());

@@ -31,24 +31,26 @@ struct TileConstants {
     uint mesh[2];
     uint atlas[2];
     uint facade[2];
-    uint facade_maps[2]; /* address of FacadeTableHead, FacadeMapEntry[facade_map_count] sorted by map */
-    uint facade_map_count;
-    int origin[3]; /* grid units from the camera's grid cell to the tile's origin */
+    uint facade_maps[2]; /* address of FacadeTableHead, FacadeMapEntry[] */
+    int origin[3];       /* grid units from the camera's grid cell to the tile's origin */
     uint atlas_finest_mip;
     uint mesh_steps;
     uint mesh_step_begin[DRAW_MESH_STEPS]; /* words */
 };
 
 struct FacadeTableHead {
-    uint keys[2]; /* address of one 64-bit key a sample of the picture: depth (float bits) << 32 | RGBA8 */
-    uint width;   /* samples */
+    uint keys[2];             /* address of one 64-bit key a sample of the picture: depth (float bits) << 32 | RGBA8 */
+    uint width, height;       /* of the picture, in samples of the whole pass */
+    uint map_of_placement[2]; /* address of one index of FacadeMapEntry[] a placement */
+    uint samples;             /* most rays a sample of the picture */
     uint reserved;
 };
 
 struct FacadeMapEntry {
-    uint map;
-    uint is_opaque;
     uint layer[2];
+    float finest[2]; /* texels: widths and heights of less are a hundredth of the map */
+    uint is_opaque;
+    uint reserved;
 };
 
 /* Push constants of the drawing passes: within the 128 bytes that every device has. */
@@ -68,8 +70,8 @@ struct FilterConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameConstants) == 52 && sizeof(TileConstants) == 72);
-static_assert(sizeof(FacadeTableHead) == 16 && sizeof(FacadeMapEntry) == 16 && sizeof(DrawConstants) == 124 &&
+static_assert(sizeof(FrameConstants) == 52 && sizeof(TileConstants) == 68);
+static_assert(sizeof(FacadeTableHead) == 32 && sizeof(FacadeMapEntry) == 24 && sizeof(DrawConstants) == 120 &&
               sizeof(FilterConstants) == 32);
 }  // namespace citystream::client
 #endif

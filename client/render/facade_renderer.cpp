@@ -1,7 +1,5 @@
 #include "client/render/facade_renderer.h"
 
-#include "client/render/facade_renderer_layout.h"
-
 namespace citystream::client {
 
 using codec::facade::FacadeForm;
@@ -40,6 +38,19 @@ std::string_view facade_renderer_name(FacadeRenderer renderer) {
 std::optional<FacadeRenderer> facade_renderer_named(std::string_view name) {
     for (const FacadeRenderer renderer : kFacadeRenderers) {
         if (facade_renderer_name(renderer) == name) return renderer;
+    }
+    return std::nullopt;
+}
+
+std::vector<std::string> facade_sample_names() {
+    std::vector<std::string> names;
+    for (const uint32_t count : kFacadeSampleCounts) names.push_back(std::to_string(count));
+    return names;
+}
+
+std::optional<uint32_t> facade_samples_named(std::string_view name) {
+    for (const uint32_t count : kFacadeSampleCounts) {
+        if (std::to_string(count) == name) return count;
     }
     return std::nullopt;
 }

@@ -4,8 +4,11 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
+#include "client/render/facade_renderer_layout.h"
 #include "codec/facade/facade_form.h"
 
 namespace citystream::client {
@@ -23,6 +26,18 @@ enum class FacadeRenderer {
 inline constexpr std::array<FacadeRenderer, 8> kFacadeRenderers = {
     FacadeRenderer::kPatch, FacadeRenderer::kMaxMip, FacadeRenderer::kRm,   FacadeRenderer::kFdm,
     FacadeRenderer::kCrm,   FacadeRenderer::kBcrm,   FacadeRenderer::kCfdm, FacadeRenderer::kBcfdm};
+
+/// What --facade-samples takes: rays of a pixel that covers more than the finest parts of its facade.
+inline constexpr std::array<uint32_t, 3> kFacadeSampleCounts = {1, FACADE_SAMPLES, FACADE_MOST_SAMPLES};
+/// Where nothing is asked for: one ray through the pixel's centre, as triangles are sampled here and by the reference.
+inline constexpr uint32_t kFacadeSamples = 1;
+/// Rays that a renderer casts at most where so many are asked for: one on singular value factors, whose rays load
+/// hundreds of words each. (With several a pixel, flights on llvmpipe of Mesa 25.0 crashed.)
+constexpr uint32_t facade_samples_of(FacadeRenderer renderer, uint32_t asked) {
+    return renderer == FacadeRenderer::kCrm || renderer == FacadeRenderer::kCfdm ? 1 : asked;
+}
+std::vector<std::string> facade_sample_names();
+std::optional<uint32_t> facade_samples_named(std::string_view name);
 
 std::string_view facade_renderer_name(FacadeRenderer renderer);
 std::optional<FacadeRenderer> facade_renderer_named(std::string_view name);

@@ -1,5 +1,5 @@
 // The facade renderers of facade_renderer.h as numbers, shared by C++ and GLSL: shaders are compiled once for each,
-// with FACADE_RENDERER as one of them.
+// with FACADE_RENDERER as one of them. And how many rays a pixel they cast.
 #ifndef CITYSTREAM_CLIENT_FACADE_RENDERER_LAYOUT_H
 #define CITYSTREAM_CLIENT_FACADE_RENDERER_LAYOUT_H
 
@@ -13,5 +13,9 @@
 #define FACADE_RENDERER_BCFDM 7
 #define FACADE_RENDERER_QUOTIENT 8
 #define FACADE_RENDERER_COUNT 9
+
+/* Rays of a pixel that covers more than the finest parts of its facade (shaders/facade_samples.glsl). */
+#define FACADE_SAMPLES 5
+#define FACADE_MOST_SAMPLES 13
 
 #endif

@@ -11,7 +11,7 @@
 
 namespace citystream::client {
 
-/// One facade map that a tile draw uses: `map` is the dictionary index that placements name.
+/// One level of a facade map that a tile draw uses: `map` is the dictionary index that placements name.
 struct FacadeMapBinding {
     uint32_t map = 0;
     LayerId layer = kNoLayer;
@@ -28,8 +28,8 @@ struct TileDraw {
     LayerId atlas = kNoLayer;  ///< kNoLayer: flat grey
     uint32_t atlas_finest_mip = 0;
     LayerId facade = kNoLayer;  ///< when set, dressed triangles are not drawn; placements are ray cast instead
-    uint32_t facade_placements = 0;
-    std::vector<FacadeMapBinding> facade_maps;  ///< sorted by map
+    std::vector<FacadeMapBinding> facade_maps;
+    std::vector<uint32_t> map_of_placement;  ///< index in facade_maps, of every placement of the layer
 };
 
 /// 8-bit RGBA, top row first.

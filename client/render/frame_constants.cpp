@@ -46,10 +46,12 @@ FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell
 }
 
 uint64_t FrameTables::bound(const SlotPool& pool, std::span<const TileDraw> tiles) {
-    uint64_t maps = 0;
-    for (const TileDraw& tile : tiles) maps += tile.facade_maps.size();
-    const uint64_t map_words = sizeof(FacadeMapEntry) / 4, head_words = sizeof(FacadeTableHead) / 4;
-    return tiles.size() * (2 + head_words) + maps * map_words + pool.slots_used * 2 + pool.layers.size() * 2;
+    uint64_t words = 0;
+    for (const TileDraw& tile : tiles) {
+        words += (sizeof(FacadeTableHead) + tile.facade_maps.size() * sizeof(FacadeMapEntry)) / 4 +
+                 tile.map_of_placement.size() + 4;
+    }
+    return words + pool.slots_used * 2 + pool.layers.size() * 2;
 }
 
 VkDeviceAddress FrameTables::append(const void* table, size_t bytes) {
@@ -81,21 +83,33 @@ Status FrameTables::refer(LayerId id, uint out[2]) {
     return Done{};
 }
 
+Status FrameTables::add_facades(const TileDraw& tile, TileConstants& constants) {
+    std::vector<FacadeMapEntry> maps(tile.facade_maps.size());
+    for (size_t i = 0; i < maps.size(); ++i) {
+        const LayerId layer = tile.facade_maps[i].layer;
+        const FacadeMapFacts facts = layer < facts_.size() ? facts_[layer] : FacadeMapFacts();
+        maps[i] = {{}, {facts.finest[0], facts.finest[1]}, facts.is_opaque ? 1U : 0U, 0};
+        if (Status status = refer(layer, maps[i].layer); !status) return status.error();
+    }
+    for (const uint32_t map : tile.map_of_placement) {
+        if (map >= maps.size())
+            return Error{"a placement shows map " + std::to_string(map) + " of a tile that has fewer"};
+    }
+    FacadeTableHead head = head_;
+    split_address(append(tile.map_of_placement.data(), tile.map_of_placement.size() * 4), head.map_of_placement);
+    split_address(append(&head, sizeof head), constants.facade_maps);
+    append(maps.data(), maps.size() * sizeof(FacadeMapEntry));
+    return Done{};
+}
+
 Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCell& camera) {
     TileConstants constants{};
     if (Status status = refer(tile.mesh, constants.mesh); !status) return status.error();
     if (Status status = refer(tile.atlas, constants.atlas); !status) return status.error();
     if (Status status = refer(tile.facade, constants.facade); !status) return status.error();
-    std::vector<FacadeMapEntry> maps(tile.facade == kNoLayer ? 0 : tile.facade_maps.size());
-    for (size_t i = 0; i < maps.size(); ++i) {
-        const LayerId layer = tile.facade_maps[i].layer;
-        maps[i].map = tile.facade_maps[i].map;
-        maps[i].is_opaque = layer < facts_.size() && facts_[layer].is_opaque ? 1 : 0;
-        if (Status status = refer(layer, maps[i].layer); !status) return status.error();
+    if (tile.facade != kNoLayer) {
+        if (Status status = add_facades(tile, constants); !status) return status.error();
     }
-    split_address(append(&head_, sizeof head_), constants.facade_maps);
-    append(maps.data(), maps.size() * sizeof(FacadeMapEntry));
-    constants.facade_map_count = static_cast<uint32_t>(maps.size());
     constants.atlas_finest_mip = tile.atlas_finest_mip;
     for (size_t i = 0; i < 3; ++i) {
         const int64_t offset = to_grid(tile.origin[i]) - camera.cell[i];

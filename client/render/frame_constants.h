@@ -1,5 +1,5 @@
 // What the CPU tells the GPU about one frame: the camera's and each tile's push constants, and the page tables and
-// facade map tables that they refer to, which lie in one mapped buffer.
+// facade tables that they refer to, which lie in one mapped buffer.
 #pragma once
 
 #include <span>
@@ -28,13 +28,13 @@ FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell
 /// Makes the constants of tiles and, as words to be copied to device address `base`, the tables they refer to.
 class FrameTables {
   public:
-    /// `facts`: by layer. `head`: goes before every tile's map table.
+    /// `facts`: by layer. `head`: begins every tile's facade table.
     FrameTables(const SlotPool& pool, VkDeviceAddress base, std::span<const FacadeMapFacts> facts,
                 const FacadeTableHead& head)
         : pool_(pool), base_(base), facts_(facts), head_(head) {}
 
-    /// Fails when a layer that the tile names does not live, or when the tile is too far away for 32-bit grid units
-    /// (1,000 km).
+    /// Fails when a layer that the tile names does not live, a placement shows none of its maps, or when the tile is
+    /// too far away for 32-bit grid units (1,000 km).
     Result<TileConstants> add_tile(const TileDraw& tile, const CameraCell& camera);
     std::span<const uint32_t> words() const { return words_; }
 
@@ -44,6 +44,7 @@ class FrameTables {
   private:
     VkDeviceAddress append(const void* table, size_t bytes);
     Status refer(LayerId layer, uint out[2]);
+    Status add_facades(const TileDraw& tile, TileConstants& constants);
 
     const SlotPool& pool_;
     VkDeviceAddress base_;

@@ -57,7 +57,7 @@ std::vector<size_t> front_to_back(const Camera& camera, std::span<const TileDraw
 }
 
 bool has_facades(const TileDraw& tile) {
-    return tile.facade != kNoLayer && tile.facade_placements > 0;
+    return tile.facade != kNoLayer && !tile.map_of_placement.empty();
 }
 
 class Renderer final : public VulkanRenderer {
@@ -90,6 +90,9 @@ class Renderer final : public VulkanRenderer {
         uint32_t casters;  ///< one bit each: those that its placements' maps need
     };
 
+    static uint32_t placements_of(const DrawnTile& drawn) {
+        return static_cast<uint32_t>(drawn.tile->map_of_placement.size());
+    }
     void ensure_tables(uint64_t words);
     void ensure_facade_passes(uint32_t casters);
     uint32_t casters_of(const TileDraw& tile) const;
@@ -173,7 +176,7 @@ uint64_t Renderer::frame_buffer_bytes() const {
 Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
     try {
         const bool is_begin = is_live(pool_, layer) && pool_.layers[layer].words == 0;
-        const Status status = append_words(pool_, layer, words);
+        Status status = append_words(pool_, layer, words);
         if (is_begin && status.ok()) {
             map_facts_.resize(pool_.layers.size());
             map_facts_[layer] = facade_map_facts(words);
@@ -223,13 +226,16 @@ void Renderer::ensure_facade_passes(uint32_t casters) {
 }
 
 FacadeTableHead Renderer::facade_table_head() const {
-    FacadeTableHead head{{}, target_.width * target_.scale, 0};
+    FacadeTableHead head{};
+    head.width = target_.width * target_.scale;
+    head.height = target_.height * target_.scale;
+    head.samples = facade_samples_of(options_.facade_renderer, options_.facade_samples);
     split(keys_.address, head.keys);
     return head;
 }
 
 // Draws one invisible primitive, so that drivers which compile at the first draw do it now and not in a measured frame.
-// All-zero words are a tile without vertices, maps or atlas: every corner falls on one point.
+// All-zero words are a tile without vertices or atlas: every corner falls on one point.
 void Renderer::warm_up(const Pass& pass, uint32_t vertices) {
     constexpr uint64_t kZeroWords = 1024;
     ensure_tables(kZeroWords);
@@ -237,6 +243,12 @@ void Renderer::warm_up(const Pass& pass, uint32_t vertices) {
     TileConstants tile{};
     for (uint32_t* reference : {tile.mesh, tile.atlas, tile.facade})
         split(tables_.address | LAYER_REF_DIRECT, reference);
+    // One placement, of which the tile has no map.
+    constexpr uint64_t kTable = kZeroWords / 2 * 4;
+    FacadeTableHead head{};
+    split(tables_.address, head.map_of_placement);
+    std::memcpy(static_cast<std::byte*>(tables_.mapped) + kTable, &head, sizeof head);
+    split(tables_.address + kTable, tile.facade_maps);
     frame_ = {};
     submit_and_wait(device_, [&](VkCommandBuffer commands) {
         begin_target(commands, target_);
@@ -298,7 +310,7 @@ void Renderer::record_occluders(VkCommandBuffer commands) {
     for (const DrawnTile& drawn : drawn_) {
         if (drawn.casters == 0) continue;
         push_constants(commands, occluder_, drawn.constants);
-        vkCmdDrawIndexed(commands, kOccluderIndices, drawn.tile->facade_placements, 0, 0, 0);
+        vkCmdDrawIndexed(commands, kOccluderIndices, placements_of(drawn), 0, 0, 0);
     }
 }
 
@@ -317,7 +329,7 @@ void Renderer::record_facades(VkCommandBuffer commands) {
         for (const DrawnTile& drawn : drawn_) {
             if ((drawn.casters >> caster & 1) == 0) continue;
             push_constants(commands, facades_[caster], drawn.constants);
-            vkCmdDrawIndexed(commands, kFacadeIndices, drawn.tile->facade_placements, 0, 0, 0);
+            vkCmdDrawIndexed(commands, kFacadeIndices, placements_of(drawn), 0, 0, 0);
         }
     }
     vkCmdEndRenderPass(commands);
@@ -417,6 +429,10 @@ Result<FrameImage> Renderer::draw(const Camera& camera, std::span<const TileDraw
 }
 
 Status check_options(const RendererOptions& options) {
+    if (std::find(kFacadeSampleCounts.begin(), kFacadeSampleCounts.end(), options.facade_samples) ==
+        kFacadeSampleCounts.end()) {
+        return Error{"facade pixels cast 1, 5 or 13 rays"};
+    }
     if (options.width == 0 || options.height == 0 || options.supersample == 0 || options.supersample > 4) {
         return Error{"picture size and samples must be positive, samples at most 4 a side"};
     }

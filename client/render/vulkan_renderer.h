@@ -21,6 +21,8 @@ struct RendererOptions {
     std::string device;        ///< part of a device name or an index; empty: the one that matches the EGL device
     uint32_t supersample = 1;  ///< 1 or 2: box filter over n x n samples a pixel
     FacadeRenderer facade_renderer = FacadeRenderer::kPatch;  ///< all maps must be in a form that it draws
+    /// One of kFacadeSampleCounts: rays of a pixel that covers more than the finest parts of its facade.
+    uint32_t facade_samples = kFacadeSamples;
     /// Facade hits as 64-bit keys instead of depth writes (facade.frag.glsl); empty: where the device is faster so.
     std::optional<bool> keyed_facades;
     bool validation = false;  ///< Khronos validation with synchronization validation; messages are counted

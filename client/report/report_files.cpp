@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/report/svg_plot.h"
+#include "codec/html_text.h"
 
 namespace citystream::client {
 namespace {
@@ -56,6 +57,7 @@ std::string plot_of(const SweepResult& result, const PlotAxes& axes, Column x, C
         series.points.push_back({x(setting, summary), y(setting, summary), setting.setting.label()});
     }
     std::vector<PlotSeries> series;
+    series.reserve(by_knob.size());
     for (auto& [knob, one] : by_knob) series.push_back(std::move(one));
     return plot_svg(axes, series);
 }

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "codec/html_text.h"
+
 namespace citystream::client {
 namespace {
 
@@ -39,9 +41,12 @@ struct Scale {
     std::vector<double> ticks() const {
         std::vector<double> out;
         if (logarithmic) {
-            for (double decade = std::pow(10, std::floor(std::log10(low))); decade <= high; decade *= 10)
-                for (const double step : {1.0, 2.0, 5.0})
-                    if (decade * step >= low && decade * step <= high) out.push_back(decade * step);
+            for (int exponent = static_cast<int>(std::floor(std::log10(low))); std::pow(10, exponent) <= high;
+                 ++exponent)
+                for (const int digit : {1, 2, 5}) {
+                    const double tick = digit * std::pow(10, exponent);
+                    if (tick >= low && tick <= high) out.push_back(tick);
+                }
         } else {
             const double rough = (high - low) / 5, magnitude = std::pow(10, std::floor(std::log10(rough)));
             double step = magnitude * 10;
@@ -50,7 +55,8 @@ struct Scale {
                     step = candidate * magnitude;
                     break;
                 }
-            for (double tick = std::ceil(low / step) * step; tick <= high; tick += step) out.push_back(tick);
+            const double first = std::ceil(low / step);
+            for (int i = 0; (first + i) * step <= high; ++i) out.push_back((first + i) * step);
         }
         return out;
     }
@@ -100,29 +106,6 @@ std::string draw_series(const PlotAxes& axes, const PlotSeries& series, size_t i
 }
 
 }  // namespace
-
-std::string escape_html(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-        }
-    }
-    return out;
-}
 
 std::string plot_svg(const PlotAxes& axes, const std::vector<PlotSeries>& series) {
     Scale x, y;

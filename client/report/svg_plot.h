@@ -24,7 +24,4 @@ struct PlotAxes {
 /// 640 x 400 units, text escaped; an empty plot says so.
 std::string plot_svg(const PlotAxes& axes, const std::vector<PlotSeries>& series);
 
-/// Replaces & < > " by entities.
-std::string escape_html(const std::string& text);
-
 }  // namespace citystream::client

@@ -136,6 +136,7 @@ Result<FlightOptions> flight_options(const SweepOptions& options, const Setting&
     out.renderer.gpu_budget_bytes = options.gpu_budget_bytes;
     out.renderer.device = options.device;
     out.renderer.facade_renderer = options.facade_renderer;
+    out.renderer.facade_samples = options.facade_samples;
     out.streamer.tolerance_pixels = options.tolerance_pixels;
     out.streamer.host_budget_bytes = options.host_budget_bytes;
     out.streamer.relief = options.relief;
@@ -153,6 +154,10 @@ Result<FlightOptions> flight_options(const SweepOptions& options, const Setting&
         const auto renderer = facade_renderer_named(setting.name);
         if (!renderer) return Error{"there is no facade renderer " + setting.name};
         out.renderer.facade_renderer = *renderer;
+    } else if (setting.knob == "facade-samples") {
+        const auto samples = facade_samples_named(setting.name);
+        if (!samples) return Error{"facade pixels do not cast " + setting.name + " rays"};
+        out.renderer.facade_samples = *samples;
     } else if (setting.knob == "archive") {
         out.place = setting.place;
     } else {
@@ -204,6 +209,7 @@ std::string Setting::label() const {
 Result<SweepResult> run_sweep(const SweepOptions& options, const std::vector<Setting>& settings) {
     Sweep sweep(options);
     SweepResult result;
+    result.settings.reserve(settings.size());
     if (Status drawn = sweep.draw_references(result); !drawn) return drawn.error();
     for (const Setting& setting : settings) {
         auto flown = sweep.fly(setting, result);

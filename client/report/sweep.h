@@ -17,8 +17,8 @@ namespace citystream::client {
 
 /// One setting of one knob; all others stay at the defaults of SweepOptions.
 struct Setting {
-    /// "tolerance" or "relief-tolerance" (pixels), "gpu-budget" (MiB), "map-level" or "facade-renderer" (names as
-    /// citystream-fly takes them), "archive" (a name; the city is `place`).
+    /// "tolerance" or "relief-tolerance" (pixels), "gpu-budget" (MiB), "map-level", "facade-renderer" or
+    /// "facade-samples" (names as citystream-fly takes them), "archive" (a name; the city is `place`).
     std::string knob;
     double value = 0;   ///< of a knob that has numbers
     std::string name;   ///< of a knob that has names
@@ -38,6 +38,7 @@ struct SweepOptions {
     double tolerance_pixels = 1;
     ReliefOptions relief;
     FacadeRenderer facade_renderer = FacadeRenderer::kPatch;
+    uint32_t facade_samples = kFacadeSamples;
     uint64_t gpu_budget_bytes = 512ull << 20;
     uint64_t host_budget_bytes = 1ull << 30;
     std::string device;

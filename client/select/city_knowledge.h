@@ -1,4 +1,4 @@
-// What a client learns about a city beyond its directory: steps that cannot be had, and which facade maps a tile uses.
+// What a client learns about a city beyond its directory: steps that cannot be had, and which facades a tile has.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 
 #include "client/cache/directory_cache.h"
 #include "client/select/facade_dictionary.h"
+#include "codec/facade/facade_layer.h"
 #include "tiles/tileset/directory.h"
 
 namespace citystream::client {
@@ -17,7 +18,8 @@ struct TileKnowledge {
     /// Steps of each layer that can be had: less than the directory lists when a step is damaged or missing.
     std::array<uint8_t, tiles::tileset::kLayerCount> usable_steps = {kAllSteps, kAllSteps, kAllSteps, kAllSteps};
     bool facade_maps_known = false;
-    std::vector<uint32_t> facade_maps;  ///< sorted, distinct
+    std::vector<codec::facade::Placement> placements;  ///< where its facades stand
+    std::vector<uint32_t> facade_maps;                 ///< that they show: sorted, distinct
 };
 
 struct CityKnowledge {

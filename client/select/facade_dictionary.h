@@ -25,7 +25,7 @@ constexpr uint32_t level_of(MapPiece piece) {
     return piece & 3;
 }
 
-/// How fine the maps of a tile must be.
+/// How fine a map must be where it stands.
 struct MapDemand {
     double texel_metres = 0;        ///< what is smaller may be missing
     std::optional<uint32_t> level;  ///< this level instead, or the finest where a map has fewer

@@ -142,12 +142,18 @@ void Selector::take(NodeIndex index, const View& view, Selection& out) {
     const double relief_pixels = node.record->flat_facade_error * view.pixels_per_metre;
     if (with_relief_ && relief_pixels > out.tolerance * relief_ratio_ &&
         has_usable_relief(directory_, knowledge_, index)) {
-        tile.maps = {relief_.texel_share * out.tolerance / view.pixels_per_metre, relief_.map_level};
+        tile.pieces = distinct_pieces(placement_levels_of(index, out.tolerance));
         tile.steps[static_cast<size_t>(Layer::kFacade)] =
             shortest_prefix(node.record->steps(Layer::kFacade), usable_steps(node, known, Layer::kFacade),
                             view.pixels_per_metre, out.tolerance);
     }
     out.tiles.push_back(tile);
+}
+
+std::vector<PlacementLevel> Selector::placement_levels_of(NodeIndex node, double tolerance) const {
+    return placement_levels(knowledge_.dictionary, camera_,
+                            directory_.manifest().tile_origin(*directory_.node(node).record),
+                            knowledge_.tiles[node].placements, {relief_.texel_share * tolerance, relief_.map_level});
 }
 
 void Selector::add_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost) {
@@ -166,12 +172,12 @@ void Selector::add_relief_cost(const SelectedTile& tile, uint64_t slot_bytes, Se
     const auto& placements = directory_.node(tile.node).record->steps(Layer::kFacade);
     const uint32_t steps = tile.steps_of(Layer::kFacade);
     add_layer_cost(wire_prefix_bytes(placements, steps), decoded_prefix_bytes(placements, steps), slot_bytes, cost);
-    each_wanted_piece(knowledge_, tile, [&](MapPiece piece) {
-        if (piece_seen_[piece] == cost_stamp_) return;
+    for (const MapPiece piece : tile.pieces) {
+        if (piece_seen_[piece] == cost_stamp_) continue;
         piece_seen_[piece] = cost_stamp_;
         add_layer_cost(knowledge_.dictionary.wire_bytes(piece), knowledge_.dictionary.resident_bytes(piece), slot_bytes,
                        cost);
-    });
+    }
 }
 
 void Selector::run(double tolerance, uint64_t slot_bytes, Selection& out) {

@@ -1,5 +1,5 @@
-// The one rule: for every visible tile and layer the shortest prefix, and for every facade map the coarsest level,
-// whose error, projected to the screen, is below the tolerance.
+// The one rule: for every visible tile and layer the shortest prefix, and for every facade the coarsest level of its
+// map, whose error, projected to the screen, is below the tolerance.
 #pragma once
 
 #include <array>
@@ -9,6 +9,7 @@
 
 #include "client/select/camera.h"
 #include "client/select/city_knowledge.h"
+#include "client/select/placement_levels.h"
 
 namespace citystream::client {
 
@@ -17,19 +18,10 @@ struct SelectedTile {
     NodeIndex node = kNoNode;
     double pixels_per_metre = 0;  ///< at the nearest point of its bounds
     std::array<uint8_t, tiles::tileset::kLayerCount> steps{};
-    MapDemand maps;  ///< of a tile whose relief is drawn
+    std::vector<MapPiece> pieces;  ///< levels of facade maps that its placements want: sorted, distinct
     bool has_relief() const { return steps_of(tiles::tileset::Layer::kFacade) > 0; }
     uint8_t steps_of(tiles::tileset::Layer layer) const { return steps[static_cast<size_t>(layer)]; }
 };
-
-/// Calls `use(piece)` with the level to fetch of each facade map whose relief the tile shows.
-template <typename Use>
-void each_wanted_piece(const CityKnowledge& knowledge, const SelectedTile& tile, const Use& use) {
-    if (!tile.has_relief()) return;
-    for (const uint32_t map : knowledge.tiles[tile.node].facade_maps) {
-        if (const std::optional<MapPiece> piece = knowledge.dictionary.wanted(map, tile.maps)) use(*piece);
-    }
-}
 
 /// What a selection needs, known before any request from the step tables.
 struct SelectionCost {
@@ -74,6 +66,8 @@ class Selector {
     /// Of the camera of the last selection, for any node of the directory.
     bool visible(NodeIndex node) { return view_of(node).visible; }
     double pixels_per_metre(NodeIndex node) { return view_of(node).pixels_per_metre; }  ///< of a visible node
+    /// Of any node whose placements are known: the level that each of them wants at a tolerance.
+    std::vector<PlacementLevel> placement_levels_of(NodeIndex node, double tolerance) const;
 
   private:
     struct View {

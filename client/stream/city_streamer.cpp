@@ -10,6 +10,7 @@
 #include "client/cache/layer_cache.h"
 #include "client/select/selection.h"
 #include "client/stream/cover.h"
+#include "client/stream/request_cost.h"
 #include "client/stream/request_plan.h"
 #include "client/stream/tile_residency.h"
 #include "tiles/tileset/tileset_json.h"
@@ -37,14 +38,15 @@ double milliseconds_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-/// Most bytes of one subtree file: bounds what a request of unknown length can bring.
-uint64_t subtree_limit(uint64_t host_budget) {
-    return std::clamp<uint64_t>(host_budget / 16, 64u << 10, 16u << 20);
-}
-
 /// "path: why", unless the reason names the path itself (an address does).
 std::string about(const std::string& path, const std::string& why) {
     return why.find(path) != std::string::npos ? why : path + ": " + why;
+}
+
+/// Of the root when it stands in for a view: the whole mesh, for its first step alone looks like nothing.
+uint8_t stand_in_steps(const tiles::tileset::TileRecord& root, Layer layer) {
+    const size_t steps = root.steps(layer).size();
+    return static_cast<uint8_t>(layer == Layer::kMesh ? steps : std::min<size_t>(1, steps));
 }
 
 /// Something that could not be fetched and is left alone until its time comes.
@@ -101,6 +103,10 @@ class Streamer final : public CityStreamer {
     std::vector<PlannedRequest> plan(const Camera& camera, bool directory_first);
     bool has_host_room() const;
 
+    uint64_t most_host_bytes_of(const PlannedRequest& request) const {
+        return most_host_bytes(request, directory_.manifest(), host_.budget,
+                               sizeof(Mark) + TileResidency::bytes_per_tile());
+    }
     bool admit(const PlannedRequest& request);
     void submit(const PlannedRequest& request);
     bool drain(const std::vector<PlannedRequest>& requests);
@@ -119,6 +125,7 @@ class Streamer final : public CityStreamer {
     void make_draws();
     void add_draw(NodeIndex node);
     double drawn_error(NodeIndex node, const TileDraw& draw) const;
+    double relief_error_pixels(std::span<const PlacementLevel> levels, const TileDraw& draw) const;
     bool is_selected(NodeIndex node) const { return node < marks_.size() && marks_[node].selected == serial_; }
     bool is_refined(NodeIndex node) const { return node < marks_.size() && marks_[node].refined == serial_; }
     const SelectedTile* wanted_tile(NodeIndex node) const {
@@ -178,7 +185,7 @@ Status Streamer::add_subtree(std::span<const std::byte> bytes, TileAddress root)
 const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFrame& frame) {
     frame = {};
     frame_ = &frame;
-    host_.peak = host_.used();
+    host_.forget_peaks();
     cache_.begin_update();
     retry_due();
     if (options_.wait_for_selection) {
@@ -197,6 +204,8 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
     frame.gpu_bytes_used = store_.slots_used() * store_.slot_bytes();
     host_.note_peak();
     frame.host_bytes_used = host_.peak;
+    frame.host_bytes_held = host_.peak_held;
+    frame.host_bytes_reserved = host_.peak_in_flight;
     frame.warnings = warnings_.take();
     return draws_;
 }
@@ -238,7 +247,7 @@ void Streamer::choose(const Camera& camera) {
         const auto& root = *directory_.node(0).record;
         uint64_t reserve = 0;
         for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
-            if (!root.steps(layer).empty()) reserve += store_.slots_for(root.steps(layer).front().decoded_bytes);
+            reserve += store_.slots_for(decoded_prefix_bytes(root.steps(layer), stand_in_steps(root, layer)));
         }
         budget.slots -= std::min(budget.slots, reserve);
     }
@@ -268,14 +277,16 @@ void Streamer::choose(const Camera& camera) {
     frame_->select_ms += milliseconds_since(begin);
 }
 
-/// In realtime mode the root's first steps stay resident, so that there is always something to fall back to.
+/// In realtime mode the root stays resident with its coarsest textures, so that there is always something to fall back
+/// to.
 void Streamer::pin_root() {
     if (directory_.nodes().empty() || is_selected(0) || !can_be_drawn(directory_, knowledge_, 0)) return;
     SelectedTile root;
     root.node = 0;
     root.pixels_per_metre = selector_.visible(0) ? selector_.pixels_per_metre(0) : 0;
     for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
-        root.steps[static_cast<size_t>(layer)] = directory_.node(0).record->steps(layer).empty() ? 0 : 1;
+        root.steps[static_cast<size_t>(layer)] = std::min(stand_in_steps(*directory_.node(0).record, layer),
+                                                          knowledge_.tiles[0].usable_steps[static_cast<size_t>(layer)]);
     }
     needed_.push_back(root);
 }
@@ -286,7 +297,7 @@ void Streamer::mark_needed() {
         for (size_t layer = 0; layer < kLayerCount; ++layer) {
             if (tile.steps[layer] > 0) cache_.need(cache_.at(layer_key(tile.node, static_cast<Layer>(layer))));
         }
-        each_wanted_piece(knowledge_, tile, [&](MapPiece piece) { cache_.need(cache_.at(map_key(piece))); });
+        for (const MapPiece piece : tile.pieces) cache_.need(cache_.at(map_key(piece)));
     }
 }
 
@@ -302,7 +313,7 @@ uint64_t Streamer::needed_slots() {
             const uint64_t wanted = decoded_prefix_bytes(record.layers[layer], tile.steps[layer]);
             slots += store_.slots_for(std::max(wanted, entry.store_bytes));
         }
-        each_wanted_piece(knowledge_, tile, [&](MapPiece piece) { pieces.push_back(piece); });
+        pieces.insert(pieces.end(), tile.pieces.begin(), tile.pieces.end());
     }
     std::sort(pieces.begin(), pieces.end());
     pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
@@ -380,13 +391,7 @@ std::vector<PlannedRequest> Streamer::plan(const Camera& camera, bool directory_
 
 /// Room for the answer, and beside it for decoding the largest layer, is made before the request is sent.
 bool Streamer::admit(const PlannedRequest& request) {
-    uint64_t bytes = request.length;
-    if (request.kind == RequestKind::kSubtree) bytes = subtree_limit(host_.budget);
-    if (request.kind == RequestKind::kFacadeIndex) {
-        bytes += directory_.manifest().facade_index_decoded_bytes +
-                 directory_.manifest().facade_map_count * sizeof(tiles::tileset::FacadeMapRecord);
-    }
-    return cache_.free_host(bytes + 2 * selection_.cost.largest_decoded);
+    return cache_.free_host(most_host_bytes_of(request) + 2 * selection_.cost.largest_decoded);
 }
 
 void Streamer::submit(const PlannedRequest& request) {
@@ -395,11 +400,11 @@ void Streamer::submit(const PlannedRequest& request) {
     fetch.offset = request.offset;
     fetch.length = request.length;
     fetch.priority = request.priority;
-    uint64_t reserved = request.length;
+    const uint64_t reserved = most_host_bytes_of(request);
     switch (request.kind) {
         case RequestKind::kSubtree:
             fetch.path = subtree_path(request.subtree);
-            fetch.limit = reserved = subtree_limit(host_.budget);
+            fetch.limit = subtree_limit(directory_.manifest(), host_.budget);
             break;
         case RequestKind::kFacadeIndex:
             fetch.path = tiles::tileset::kFacadeIndexPath;
@@ -576,7 +581,7 @@ void Streamer::fail(const PlannedRequest& request, const std::string& why, bool 
     if (for_good) return;
     const double pause = std::min(kFirstPauseSeconds * std::exp2(std::min(failures, 16u) - 1.0), kLongestPauseSeconds);
     setback.until = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(pause));
-    setbacks_.push_back(std::move(setback));
+    setbacks_.push_back(setback);
 }
 
 void Streamer::retry_due() {
@@ -628,22 +633,19 @@ void Streamer::add_draw(NodeIndex node) {
     const double pixels_per_metre = selector_.pixels_per_metre(node);
     std::array<uint8_t, kLayerCount> steps;
     steps.fill(TileKnowledge::kAllSteps);
-    MapDemand demand = {options_.relief.texel_share * selection_.tolerance / pixels_per_metre,
-                        options_.relief.map_level};
-    if (tile != nullptr) {
-        if (options_.wait_for_selection) steps = tile->steps;
-        steps[static_cast<size_t>(Layer::kFacade)] = tile->steps_of(Layer::kFacade);
-        demand = tile->maps;
-    }
-    draws_.push_back(residency_.draw(node, steps, demand));
+    if (tile != nullptr && options_.wait_for_selection) steps = tile->steps;
+    draws_.push_back(residency_.draw(node, steps));
+    TileDraw& draw = draws_.back();
+    std::vector<PlacementLevel> levels;
+    if (tile == nullptr || tile->has_relief()) levels = selector_.placement_levels_of(node, selection_.tolerance);
     const bool has_facades = !directory_.node(node).record->steps(Layer::kFacade).empty();
-    if (has_facades) ++(draws_.back().facade != kNoLayer ? frame_->relief_tiles : frame_->flat_tiles);
-    const double error = drawn_error(node, draws_.back()) * pixels_per_metre;
+    const bool relief = !levels.empty() && residency_.add_relief(node, levels, draw);
+    if (has_facades) ++(relief ? frame_->relief_tiles : frame_->flat_tiles);
+    const double error = std::max(drawn_error(node, draw) * pixels_per_metre, relief_error_pixels(levels, draw));
     frame_->achieved_error_pixels = std::max(frame_->achieved_error_pixels, error);
 }
 
-/// Metres: of the tile itself, of steps that were left away, and of relief drawn flat or with coarser maps (which leave
-/// out nothing that is larger than their texels).
+/// Metres: of the tile itself, of steps that were left away, and of relief drawn flat.
 double Streamer::drawn_error(NodeIndex node, const TileDraw& draw) const {
     const auto& record = *directory_.node(node).record;
     double error = record.geometric_error;
@@ -651,8 +653,16 @@ double Streamer::drawn_error(NodeIndex node, const TileDraw& draw) const {
     const size_t drawn = draw.mesh_step_words.size();
     if (drawn > 0 && drawn < mesh.size()) error = std::max<double>(error, mesh[drawn - 1].error);
     if (draw.facade == kNoLayer) error = std::max<double>(error, record.flat_facade_error);
-    for (const FacadeMapBinding& binding : draw.facade_maps) {
-        error = std::max(error, knowledge_.dictionary.texel_error(map_piece(binding.map, binding.level)));
+    return error;
+}
+
+/// Of relief drawn with coarser maps, which leave out nothing that is larger than their texels.
+double Streamer::relief_error_pixels(std::span<const PlacementLevel> levels, const TileDraw& draw) const {
+    double error = 0;
+    for (size_t i = 0; i < draw.map_of_placement.size(); ++i) {
+        const FacadeMapBinding& map = draw.facade_maps[draw.map_of_placement[i]];
+        const double metres = knowledge_.dictionary.texel_error(map_piece(map.map, map.level));
+        error = std::max(error, metres * levels[i].pixels_per_metre);
     }
     return error;
 }
@@ -666,10 +676,11 @@ Result<std::unique_ptr<CityStreamer>> CityStreamer::open(Fetcher& fetcher, Layer
     auto manifest = tiles::tileset::parse_tileset_json(*json);
     if (!manifest) return Error{about("tileset.json", manifest.error().text())};
     const bool empty_city = manifest->tiles == 0;
+    const uint64_t root_limit = subtree_limit(*manifest, options.host_budget_bytes);
     auto streamer = std::make_unique<Streamer>(fetcher, store, options, std::move(*manifest));
     if (!empty_city) {
         const std::string path = tiles::tileset::subtree_path({});
-        const auto bytes = fetch_now(fetcher, path, subtree_limit(options.host_budget_bytes));
+        const auto bytes = fetch_now(fetcher, path, root_limit);
         if (!bytes) return bytes.error();
         const Status added = streamer->add_subtree(*bytes, {});
         if (!added) return Error{about(path, added.error().text())};

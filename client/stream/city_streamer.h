@@ -55,7 +55,9 @@ struct StreamerFrame {
     uint64_t map_conversions = 0, map_conversions_refused = 0;             ///< to the renderer's form, or not to it
     double map_conversion_ms = 0;                                          ///< all cores together
     uint64_t gpu_bytes_used = 0;                                           ///< slots in use, in bytes
-    uint64_t host_bytes_used = 0;                                          ///< highest value during this update
+    uint64_t host_bytes_used = 0;      ///< highest value during this update: held and reserved
+    uint64_t host_bytes_held = 0;      ///< its highest part that is really held
+    uint64_t host_bytes_reserved = 0;  ///< its highest part that requests under way may bring at most
     double tolerance_used = 0;         ///< pixels: grows above the option when a budget does not hold the selection
     double achieved_error_pixels = 0;  ///< largest projected error of what is drawn
     double select_ms = 0, wait_ms = 0, decode_ms = 0;

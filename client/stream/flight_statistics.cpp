@@ -36,7 +36,9 @@ Json frame_json(const FlightFrame& frame) {
              {{"wire", s.wire_bytes},
               {"decoded", s.decoded_bytes},
               {"gpu", s.gpu_bytes_used},
-              {"host", s.host_bytes_used}}},
+              {"host", s.host_bytes_used},
+              {"host_held", s.host_bytes_held},
+              {"host_reserved", s.host_bytes_reserved}}},
             {"facades",
              {{"relief_tiles", s.relief_tiles},
               {"flat_tiles", s.flat_tiles},
@@ -68,6 +70,14 @@ uint64_t sum(const std::vector<FlightFrame>& frames, const std::function<uint64_
     return total;
 }
 
+/// Of a measure in its own type; 0 without frames.
+template <typename Read>
+auto most(const std::vector<FlightFrame>& frames, const Read& read) {
+    decltype(read(frames.front())) value = 0;
+    for (const FlightFrame& frame : frames) value = std::max(value, read(frame));
+    return value;
+}
+
 Json description_json(const FlightDescription& d) {
     return {{"place", d.place},
             {"path", d.path},
@@ -80,6 +90,7 @@ Json description_json(const FlightDescription& d) {
             {"relief_tolerance_pixels", d.relief_tolerance_pixels},
             {"map_level", d.map_level},
             {"facade_renderer", d.facade_renderer},
+            {"facade_samples", d.facade_samples},
             {"gpu_budget_bytes", d.gpu_budget_bytes},
             {"host_budget_bytes", d.host_budget_bytes}};
 }
@@ -123,11 +134,6 @@ Json facades_json(const std::vector<FlightFrame>& frames, const FlightTotals& to
 Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::string>& warnings,
              const FlightTotals& totals) {
     const FetcherStatistics& net = totals.fetcher;
-    const auto most = [&](const Measure& measure) {
-        double value = 0;
-        for (const FlightFrame& frame : frames) value = std::max(value, measure(frame));
-        return value;
-    };
     return {
         {"frames", frames.size()},
         {"stopped_early", totals.stopped_early},
@@ -137,10 +143,10 @@ Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::stri
         {"bytes",
          {{"wire", sum(frames, [](const FlightFrame& f) { return f.stream.wire_bytes; })},
           {"decoded", sum(frames, [](const FlightFrame& f) { return f.stream.decoded_bytes; })},
-          {"gpu_max", static_cast<uint64_t>(
-                          most([](const FlightFrame& f) { return static_cast<double>(f.stream.gpu_bytes_used); }))},
-          {"host_max", static_cast<uint64_t>(
-                           most([](const FlightFrame& f) { return static_cast<double>(f.stream.host_bytes_used); }))},
+          {"gpu_max", most(frames, [](const FlightFrame& f) { return f.stream.gpu_bytes_used; })},
+          {"host_max", most(frames, [](const FlightFrame& f) { return f.stream.host_bytes_used; })},
+          {"host_held_max", most(frames, [](const FlightFrame& f) { return f.stream.host_bytes_held; })},
+          {"host_reserved_max", most(frames, [](const FlightFrame& f) { return f.stream.host_bytes_reserved; })},
           {"gpu_allocated", totals.gpu_bytes_allocated},
           {"frame_buffers", totals.frame_buffer_bytes}}},
         {"facades", facades_json(frames, totals)},
@@ -154,7 +160,7 @@ Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::stri
           {"cancelled", net.cancelled},
           {"body_bytes", net.body_bytes},
           {"header_bytes", net.header_bytes}}},
-        {"tolerance_used_max", most([](const FlightFrame& f) { return f.stream.tolerance_used; })},
+        {"tolerance_used_max", most(frames, [](const FlightFrame& f) { return f.stream.tolerance_used; })},
         {"achieved_error_pixels", spread(frames, [](const FlightFrame& f) { return f.stream.achieved_error_pixels; })},
         {"validation_messages", totals.validation_messages},
         {"warnings", warnings.size()}};
@@ -178,15 +184,11 @@ void FlightStatistics::add(FlightFrame frame) {
 }
 
 uint64_t FlightStatistics::gpu_bytes_max() const {
-    uint64_t most = 0;
-    for (const FlightFrame& frame : frames_) most = std::max(most, frame.stream.gpu_bytes_used);
-    return most;
+    return most(frames_, [](const FlightFrame& f) { return f.stream.gpu_bytes_used; });
 }
 
 uint64_t FlightStatistics::host_bytes_max() const {
-    uint64_t most = 0;
-    for (const FlightFrame& frame : frames_) most = std::max(most, frame.stream.host_bytes_used);
-    return most;
+    return most(frames_, [](const FlightFrame& f) { return f.stream.host_bytes_used; });
 }
 
 std::string FlightStatistics::json(const FlightTotals& totals) const {

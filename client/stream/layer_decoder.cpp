@@ -1,28 +1,21 @@
 #include "client/stream/layer_decoder.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 
 #include "codec/atlas/atlas_layer.h"
-#include "codec/bits/zstd_frame.h"
-#include "codec/facade/facade_layer.h"
 #include "codec/mesh/mesh_layer.h"
+#include "codec/step_wire.h"
 
 namespace citystream::client {
 
 using tiles::tileset::Layer;
 
-static_assert(std::endian::native == std::endian::little, "decoded words are little-endian");
-
 namespace {
 
 Status append_words(std::span<const std::byte> wire, uint32_t decoded_bytes, std::vector<uint32_t>& words) {
-    const auto raw = codec::bits::decompress_frame(wire, decoded_bytes);
-    if (!raw) return raw.error();
-    const size_t before = words.size();
-    words.resize(before + raw->size() / 4);
-    std::memcpy(words.data() + before, raw->data(), raw->size() / 4 * 4);
+    const auto step = codec::decode_step(wire, decoded_bytes);
+    if (!step) return step.error();
+    words.insert(words.end(), step->begin(), step->end());
     return Done{};
 }
 
@@ -45,11 +38,11 @@ Result<LayerFacts> check_atlas(const DecodedPrefix& prefix) {
 }
 
 Result<LayerFacts> check_facade(const DecodedPrefix& prefix, uint32_t chart_count, uint32_t map_count) {
-    const auto tile = codec::facade::decode_facades(prefix.words, map_count, chart_count);
+    auto tile = codec::facade::decode_facades(prefix.words, map_count, chart_count);
     if (!tile) return tile.error();
     LayerFacts facts;
-    facts.placements = static_cast<uint32_t>(tile->placements.size());
-    for (const auto& placement : tile->placements) facts.facade_maps.push_back(placement.map);
+    facts.placements = std::move(tile->placements);
+    for (const auto& placement : facts.placements) facts.facade_maps.push_back(placement.map);
     std::sort(facts.facade_maps.begin(), facts.facade_maps.end());
     facts.facade_maps.erase(std::unique(facts.facade_maps.begin(), facts.facade_maps.end()), facts.facade_maps.end());
     return facts;

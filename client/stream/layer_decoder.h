@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "codec/facade/facade_layer.h"
 #include "codec/result.h"
 #include "tiles/tileset/directory.h"
 
@@ -21,7 +22,7 @@ struct DecodedPrefix {
 struct LayerFacts {
     uint32_t mesh_triangles = 0, mesh_dressed_begin = 0;
     uint32_t chart_count = 0, finest_mip = 0;
-    uint32_t placements = 0;
+    std::vector<codec::facade::Placement> placements;
     std::vector<uint32_t> facade_maps;  ///< sorted, distinct
 };
 

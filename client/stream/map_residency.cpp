@@ -64,11 +64,11 @@ std::vector<MapPiece> MapResidency::received_pieces(std::span<const SelectedTile
     std::vector<MapPiece> pieces;
     std::unordered_set<MapPiece> seen;
     for (const SelectedTile& tile : tiles) {
-        each_wanted_piece(knowledge_, tile, [&](MapPiece piece) {
+        for (const MapPiece piece : tile.pieces) {
             const CachedLayer* entry = cache_.find(map_key(piece));
-            if (entry == nullptr || entry->wire_steps == 0 || entry->store_steps > 0) return;
+            if (entry == nullptr || entry->wire_steps == 0 || entry->store_steps > 0) continue;
             if (seen.insert(piece).second) pieces.push_back(piece);
-        });
+        }
     }
     return pieces;
 }
@@ -171,14 +171,13 @@ CachedLayer* MapResidency::in_store(MapPiece piece) {
     return entry != nullptr && entry->store_steps > 0 ? entry : nullptr;
 }
 
-CachedLayer* MapResidency::to_draw(uint32_t map, const MapDemand& demand) {
-    const std::optional<MapPiece> wanted = knowledge_.dictionary.wanted(map, demand);
-    if (!wanted) return nullptr;
+CachedLayer* MapResidency::to_draw(MapPiece wanted) {
+    const uint32_t map = map_of(wanted);
     const uint32_t levels = knowledge_.dictionary.record(map).level_count;
-    for (uint32_t level = level_of(*wanted); level < levels; ++level) {
+    for (uint32_t level = level_of(wanted); level < levels; ++level) {
         if (CachedLayer* held = in_store(map_piece(map, level))) return held;
     }
-    for (uint32_t level = level_of(*wanted); level-- > 0;) {
+    for (uint32_t level = level_of(wanted); level-- > 0;) {
         if (CachedLayer* held = in_store(map_piece(map, level))) return held;
     }
     return nullptr;

@@ -43,7 +43,7 @@ class MapResidency {
     void upload(std::span<const SelectedTile> tiles);
     /// The level of a map to draw: the wanted one, else the next finer one in the store, else the next coarser one;
     /// null when none is there.
-    CachedLayer* to_draw(uint32_t map, const MapDemand& demand);
+    CachedLayer* to_draw(MapPiece wanted);
 
   private:
     struct Batch {

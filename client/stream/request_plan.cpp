@@ -12,14 +12,20 @@ using tiles::tileset::TileRecord;
 
 namespace {
 
-constexpr double kFirstTilePriority = 1e290;  // before the directory: it is the first picture
-constexpr double kLeastGain = 1e-3;           // pixels: keeps an order among steps that promise nothing
+constexpr double kOpening = 1e200;  // factor on the gain of openings, below the directory's priority
+constexpr double kFacadeIndexPriority = 1e150;
+constexpr double kLeastGain = 1e-3;  // pixels: keeps an order among steps that promise nothing
 
 class Planner {
   public:
     Planner(const DirectoryCache& directory, const CityKnowledge& knowledge, LayerCache& cache, const Camera& camera,
-            bool coarse_first)
-        : directory_(directory), knowledge_(knowledge), cache_(cache), camera_(camera), coarse_first_(coarse_first) {}
+            NodeIndex stand_in, bool coarse_first)
+        : directory_(directory),
+          knowledge_(knowledge),
+          cache_(cache),
+          camera_(camera),
+          stand_in_(stand_in),
+          coarse_first_(coarse_first) {}
 
     void add_subtrees(const Selection& selection) {
         for (const auto& address : selection.subtrees) {
@@ -34,10 +40,13 @@ class Planner {
         PlannedRequest request;
         request.kind = RequestKind::kFacadeIndex;
         request.length = directory_.manifest().facade_index_bytes;
-        request.priority = kDirectoryPriority / 100;
+        request.priority = kFacadeIndexPriority;
         out.push_back(request);
     }
-    void add_layer(const SelectedTile& tile, Layer layer, bool first);
+    void add_layer(const SelectedTile& tile, Layer layer);
+    void add_tile(const SelectedTile& tile);
+    void add_opening(const SelectedTile& tile);
+    bool add_first_picture(const std::vector<SelectedTile>& tiles, bool choice_known, bool host_room);
     void add_maps(const std::vector<SelectedTile>& tiles, bool bridge_gaps);
 
     std::vector<PlannedRequest> out;
@@ -47,17 +56,22 @@ class Planner {
         MapPiece piece;
         double gain;
     };
+    bool has_begun(const SelectedTile& tile, Layer layer) const;
+    bool is_missing(const SelectedTile& tile) const;
+    bool is_recognisable(const SelectedTile& tile) const;
+    uint32_t opening_steps(const SelectedTile& tile, Layer layer) const;
+    uint64_t opening_bytes(const SelectedTile& tile) const;
     double error_before(const SelectedTile& tile, const CachedLayer& entry, Layer layer) const;
     std::vector<WantedPiece> missing_pieces(const std::vector<SelectedTile>& tiles) const;
     double map_gain(const SelectedTile& tile, MapPiece piece) const;
     bool is_here(MapPiece piece) const;
     bool can_bridge(MapPiece from, MapPiece to) const;
-    uint64_t bytes_to_weigh(const PlannedRequest& request) const;
 
     const DirectoryCache& directory_;
     const CityKnowledge& knowledge_;
     LayerCache& cache_;
     const Camera& camera_;
+    NodeIndex stand_in_;
     bool coarse_first_;
 };
 
@@ -73,28 +87,47 @@ double Planner::error_before(const SelectedTile& tile, const CachedLayer& entry,
     return directory_.manifest().root_geometric_error;
 }
 
-/// A tile shows when both its mesh and its atlas have begun, so their first requests are weighed together and arrive
-/// together.
-uint64_t Planner::bytes_to_weigh(const PlannedRequest& request) const {
-    if (request.from > 0 || request.layer == Layer::kFacade) return std::max<uint64_t>(1, request.length);
-    const TileRecord& record = *directory_.node(request.node).record;
-    uint64_t bytes = 0;
-    for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
-        const CachedLayer* entry = cache_.find(layer_key(request.node, layer));
-        const bool begun = entry != nullptr && (entry->wire_steps > 0 || entry->store_steps > 0);
-        if (layer == request.layer) {
-            bytes += request.length;
-        } else if (!begun && !record.steps(layer).empty()) {
-            bytes += record.steps(layer).front().end;
-        }
-    }
-    return std::max<uint64_t>(1, bytes);
+/// Something of the layer is here, or it is not wanted.
+bool Planner::has_begun(const SelectedTile& tile, Layer layer) const {
+    if (tile.steps_of(layer) == 0) return true;
+    const CachedLayer* entry = cache_.find(layer_key(tile.node, layer));
+    return entry != nullptr && (entry->wire_steps > 0 || entry->store_steps > 0);
 }
 
-void Planner::add_layer(const SelectedTile& tile, Layer layer, bool first) {
+bool Planner::is_missing(const SelectedTile& tile) const {
+    return !has_begun(tile, Layer::kMesh) || !has_begun(tile, Layer::kAtlas);
+}
+
+/// Even the whole mesh of a stand-in can be too coarse for a near view.
+bool Planner::is_recognisable(const SelectedTile& tile) const {
+    const uint8_t wanted = tile.steps_of(Layer::kMesh);
+    if (wanted == 0) return true;
+    const double error = directory_.node(tile.node).record->steps(Layer::kMesh)[wanted - 1].error;
+    return error * tile.pixels_per_metre <= kRecognisableShare * camera_.height;
+}
+
+/// Coarse textures are worth showing, coarse positions are not.
+uint32_t Planner::opening_steps(const SelectedTile& tile, Layer layer) const {
+    const uint8_t wanted = tile.steps_of(layer);
+    if (layer != Layer::kMesh) return std::min<uint8_t>(1, wanted);
+    return shortest_prefix(directory_.node(tile.node).record->steps(layer), wanted, tile.pixels_per_metre,
+                           kRecognisableShare * camera_.height);
+}
+
+/// A tile shows when both its mesh and its atlas have begun.
+uint64_t Planner::opening_bytes(const SelectedTile& tile) const {
+    uint64_t bytes = 0;
+    for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
+        if (has_begun(tile, layer)) continue;
+        bytes += wire_prefix_bytes(directory_.node(tile.node).record->steps(layer), opening_steps(tile, layer));
+    }
+    return bytes;
+}
+
+void Planner::add_layer(const SelectedTile& tile, Layer layer) {
     CachedLayer& entry = cache_.at(layer_key(tile.node, layer));
-    const bool begin = coarse_first_ && entry.wire_steps == 0 && entry.store_steps == 0;
-    const uint32_t wanted = begin ? 1 : tile.steps_of(layer);
+    const bool opens = coarse_first_ && layer != Layer::kFacade && !has_begun(tile, layer);
+    const uint32_t wanted = opens ? opening_steps(tile, layer) : tile.steps_of(layer);
     if (wanted <= entry.wire_steps || wanted <= entry.store_steps || entry.requested) return;
     const TileRecord& record = *directory_.node(tile.node).record;
     const std::vector<StepRecord>& steps = record.steps(layer);
@@ -107,10 +140,50 @@ void Planner::add_layer(const SelectedTile& tile, Layer layer, bool first) {
     request.length = steps[wanted - 1].end - request.offset;
     const double before = std::min<double>(error_before(tile, entry, layer) * tile.pixels_per_metre, camera_.height);
     const double gain = std::max(before - steps[wanted - 1].error * tile.pixels_per_metre, kLeastGain);
+    // What opens a tile is weighed together, to arrive together.
+    const uint64_t bytes = opens ? opening_bytes(tile) : request.length;
     request.priority = gain * screen_area(record.bounds, tile.pixels_per_metre, camera_) /
-                       static_cast<double>(bytes_to_weigh(request));
-    if (first) request.priority += kFirstTilePriority;
+                       static_cast<double>(std::max<uint64_t>(1, bytes));
+    if (opens && (tile.node != stand_in_ || is_recognisable(tile))) request.priority *= kOpening;
     out.push_back(request);
+}
+
+void Planner::add_tile(const SelectedTile& tile) {
+    for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
+        if (tile.steps_of(layer) > 0) add_layer(tile, layer);
+    }
+}
+
+void Planner::add_opening(const SelectedTile& tile) {
+    for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
+        if (!has_begun(tile, layer)) add_layer(tile, layer);
+    }
+}
+
+/// While neither all tiles of the view nor their stand-in can be drawn: the requests for a first picture, which may be
+/// under way all. Else false. Before the directory is here the tiles chosen are coarse and large, and soon others.
+bool Planner::add_first_picture(const std::vector<SelectedTile>& tiles, bool choice_known, bool host_room) {
+    const SelectedTile* fallback = nullptr;
+    uint64_t bytes = 0;
+    for (const SelectedTile& tile : tiles) {
+        if (tile.node == stand_in_ && tiles.size() > 1) {
+            fallback = &tile;
+        } else {
+            bytes += opening_bytes(tile);
+        }
+    }
+    const bool covered = fallback != nullptr && !is_missing(*fallback) && is_recognisable(*fallback);
+    if (bytes == 0 || covered) return false;
+    if (fallback != nullptr && host_room && is_recognisable(*fallback) &&
+        opening_bytes(*fallback) * kStandInWorth <= bytes) {
+        add_opening(*fallback);
+        return true;
+    }
+    if (!choice_known) return true;
+    for (const SelectedTile& tile : tiles) {
+        if (&tile != fallback) add_opening(tile);
+    }
+    return true;
 }
 
 bool Planner::is_here(MapPiece piece) const {
@@ -139,10 +212,10 @@ double Planner::map_gain(const SelectedTile& tile, MapPiece piece) const {
 std::vector<Planner::WantedPiece> Planner::missing_pieces(const std::vector<SelectedTile>& tiles) const {
     std::vector<WantedPiece> wanted;
     for (const SelectedTile& tile : tiles) {
-        each_wanted_piece(knowledge_, tile, [&](MapPiece piece) {
+        for (const MapPiece piece : tile.pieces) {
             if (!is_here(piece) && !cache_.at(map_key(piece)).requested)
                 wanted.push_back({piece, map_gain(tile, piece)});
-        });
+        }
     }
     std::sort(wanted.begin(), wanted.end(), [](const WantedPiece& a, const WantedPiece& b) {
         return a.piece != b.piece ? a.piece < b.piece : a.gain > b.gain;
@@ -206,29 +279,30 @@ double screen_area(const tiles::tileset::Bounds& bounds, double pixels_per_metre
 
 std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const CityKnowledge& knowledge,
                                           LayerCache& cache, const Selection& selection,
-                                          const std::vector<SelectedTile>& tiles, NodeIndex first_tile,
+                                          const std::vector<SelectedTile>& tiles, NodeIndex stand_in,
                                           const Camera& camera, const PlanOptions& options) {
-    Planner planner(directory, knowledge, cache, camera, options.coarse_first);
+    Planner planner(directory, knowledge, cache, camera, stand_in, options.coarse_first);
     planner.add_subtrees(selection);
     if (options.directory_first && !planner.out.empty()) return std::move(planner.out);
+
+    if (options.coarse_first && planner.add_first_picture(tiles, selection.subtrees.empty(), options.host_room)) {
+        order(planner.out);
+        return std::move(planner.out);
+    }
 
     bool relief = false;
     for (const SelectedTile& tile : tiles) {
         if (!tile.has_relief()) continue;
         relief = true;
-        planner.add_layer(tile, Layer::kFacade, false);
+        planner.add_layer(tile, Layer::kFacade);
     }
     const bool index_missing = relief && !knowledge.dictionary.known() && directory.manifest().facade_map_count > 0;
     if (index_missing && !options.facade_index_requested) planner.add_facade_index();
     order(planner.out);
     if (options.directory_first && !planner.out.empty()) return std::move(planner.out);
 
-    for (const SelectedTile& tile : tiles) {
-        const bool first = tile.node == first_tile;
-        if (tile.steps_of(Layer::kMesh) > 0) planner.add_layer(tile, Layer::kMesh, first);
-        if (tile.steps_of(Layer::kAtlas) > 0) planner.add_layer(tile, Layer::kAtlas, first);
-    }
-    if (knowledge.dictionary.known()) planner.add_maps(tiles, options.bridge_gaps);
+    for (const SelectedTile& tile : tiles) planner.add_tile(tile);
+    if (knowledge.dictionary.known()) planner.add_maps(tiles, options.host_room);
     order(planner.out);
     return std::move(planner.out);
 }

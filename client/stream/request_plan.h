@@ -29,26 +29,34 @@ struct PlanOptions {
     /// Ask for what the choice itself depends on first (subtrees, then placements), and for nothing else until it is
     /// here: no byte is fetched for a choice that changes. Else ask for all at once.
     bool directory_first = true;
-    /// Of a layer that is not here at all ask for the first step alone: a coarse picture soon, the rest once it is
-    /// here.
+    /// A coarse picture soon: of tiles that are not here at all first their *openings*, the fewest steps that make a
+    /// picture of them; then the facade index and the rest. And while nothing covers the view, nothing but the
+    /// directory and then openings, for all connections share one link.
     bool coarse_first = false;
     bool facade_index_requested = false;
-    /// Levels of maps that few bytes part are one range; what lies between comes along.
-    bool bridge_gaps = true;
+    /// Host memory has room beside what the view needs: levels of maps that few bytes part are one range, whose bytes
+    /// between come along, and the stand-in may go before the view.
+    bool host_room = true;
 };
 
 /// Bytes between two wanted levels of maps that cost less than the heads of one more request and its answer.
 inline constexpr uint64_t kBridgedGap = 256;
 
-/// Priority of directory pieces: before any layer but the first tile's.
+/// Priority of directory pieces: before any layer.
 inline constexpr double kDirectoryPriority = 1e250;
 
+/// A mesh whose error covers no more than this share of the picture's height is worth showing.
+inline constexpr double kRecognisableShare = 1.0 / 8;
+
+/// How many times fewer bytes the stand-in's opening must have than those of the view to go before them.
+inline constexpr uint64_t kStandInWorth = 3;
+
 /// Requests for what `tiles` lack and that is not under way, best first; equal gains in the order of the key. `cache`
-/// entries say what is here. `first_tile`: this tile comes before all others (the root, which every view can fall back
-/// to); kNoNode for none.
+/// entries say what is here. `stand_in`: the tile among them that every view can fall back to (the root), which is not
+/// of the view unless it is alone; kNoNode for none.
 std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const CityKnowledge& knowledge,
                                           LayerCache& cache, const Selection& selection,
-                                          const std::vector<SelectedTile>& tiles, NodeIndex first_tile,
+                                          const std::vector<SelectedTile>& tiles, NodeIndex stand_in,
                                           const Camera& camera, const PlanOptions& options);
 
 /// Pixels that a tile's bounds cover at most.

@@ -1,6 +1,7 @@
 #include "client/stream/tile_residency.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 namespace citystream::client {
 
@@ -18,12 +19,16 @@ uint64_t step_begin(const std::vector<StepRecord>& steps, uint32_t step) {
 
 }  // namespace
 
+uint64_t TileResidency::bytes_per_tile() {
+    return sizeof(Facts) + sizeof(TileKnowledge);
+}
+
 void TileResidency::grow() {
     const size_t before = facts_.size();
     const size_t count = directory_.nodes().size();
     facts_.resize(count);
     knowledge_.tiles.resize(count);
-    host_.fixed += (count - before) * (sizeof(Facts) + sizeof(TileKnowledge));
+    host_.fixed += (count - before) * bytes_per_tile();
     host_.note_peak();
 }
 
@@ -60,7 +65,7 @@ void TileResidency::accept_layer(NodeIndex node, Layer layer, uint32_t from, uin
     if (layer == Layer::kFacade && entry.wire_steps == steps.size()) learn_facade_maps(node);
 }
 
-/// Which maps a tile uses is known as soon as its placements are here, before anything is drawn: the budget counts
+/// Which facades a tile has is known as soon as its placements are here, before anything is drawn: the budget counts
 /// them.
 void TileResidency::learn_facade_maps(NodeIndex node) {
     TileKnowledge& known = knowledge_.tiles[node];
@@ -78,8 +83,10 @@ void TileResidency::learn_facade_maps(NodeIndex node) {
         return;
     }
     known.facade_maps = std::move(facts.facade_maps);
+    known.placements = std::move(facts.placements);
     known.facade_maps_known = true;
-    host_.fixed += known.facade_maps.size() * sizeof(uint32_t);
+    host_.fixed +=
+        known.facade_maps.size() * sizeof(known.facade_maps[0]) + known.placements.size() * sizeof(known.placements[0]);
     host_.note_peak();
 }
 
@@ -139,8 +146,6 @@ void TileResidency::remember(NodeIndex node, Layer layer, uint32_t steps, LayerF
         known.charts_known = true;
         known.chart_count = facts.chart_count;
         known.coarsest_step_mip = facts.finest_mip + steps - 1;
-    } else {
-        known.placements = facts.placements;
     }
 }
 
@@ -157,15 +162,31 @@ bool TileResidency::drawable(NodeIndex node) {
     return true;
 }
 
-bool TileResidency::relief_drawable(NodeIndex node, const MapDemand& demand) {
-    const TileKnowledge& known = knowledge_.tiles[node];
-    const CachedLayer* entry = cache_.find(layer_key(node, Layer::kFacade));
-    if (entry == nullptr || entry->store_steps == 0 || !known.facade_maps_known) return false;
-    return std::all_of(known.facade_maps.begin(), known.facade_maps.end(),
-                       [&](uint32_t map) { return maps_.to_draw(map, demand) != nullptr; });
+bool TileResidency::add_relief(NodeIndex node, std::span<const PlacementLevel> levels, TileDraw& out) {
+    CachedLayer* entry = cache_.find(layer_key(node, Layer::kFacade));
+    if (entry == nullptr || entry->store_steps == 0 || !knowledge_.tiles[node].facade_maps_known) return false;
+    std::unordered_map<CachedLayer*, uint32_t> used;
+    std::vector<FacadeMapBinding> maps;
+    std::vector<uint32_t> map_of_placement;
+    for (const PlacementLevel& level : levels) {
+        CachedLayer* held = level.piece == kNoPiece ? nullptr : maps_.to_draw(level.piece);
+        if (held == nullptr) return false;
+        const auto [place, added] = used.try_emplace(held, static_cast<uint32_t>(maps.size()));
+        if (added) {
+            const MapPiece piece = piece_of(held->key);
+            maps.push_back({map_of(piece), held->id, level_of(piece)});
+        }
+        map_of_placement.push_back(place->second);
+    }
+    for (const auto& [held, index] : used) cache_.mark_drawn(*held);
+    cache_.mark_drawn(*entry);
+    out.facade = entry->id;
+    out.facade_maps = std::move(maps);
+    out.map_of_placement = std::move(map_of_placement);
+    return true;
 }
 
-TileDraw TileResidency::draw(NodeIndex node, const std::array<uint8_t, kLayerCount>& steps, const MapDemand& demand) {
+TileDraw TileResidency::draw(NodeIndex node, const std::array<uint8_t, kLayerCount>& steps) {
     const TileRecord& record = *directory_.node(node).record;
     const Facts& facts = facts_[node];
     const GridPoint origin = directory_.manifest().tile_origin(record);
@@ -185,16 +206,6 @@ TileDraw TileResidency::draw(NodeIndex node, const std::array<uint8_t, kLayerCou
         out.atlas = atlas->id;
         const uint32_t wanted = std::max<uint32_t>(1, steps[static_cast<size_t>(Layer::kAtlas)]);
         out.atlas_finest_mip = facts.coarsest_step_mip - (std::min(wanted, atlas->store_steps) - 1);
-    }
-    if (steps[static_cast<size_t>(Layer::kFacade)] == 0 || !relief_drawable(node, demand)) return out;
-    CachedLayer& facade = cache_.at(layer_key(node, Layer::kFacade));
-    cache_.mark_drawn(facade);
-    out.facade = facade.id;
-    out.facade_placements = facts.placements;
-    for (const uint32_t map : knowledge_.tiles[node].facade_maps) {
-        CachedLayer& held = *maps_.to_draw(map, demand);
-        cache_.mark_drawn(held);
-        out.facade_maps.push_back({map, held.id, level_of(piece_of(held.key))});
     }
     return out;
 }

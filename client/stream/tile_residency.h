@@ -32,6 +32,8 @@ class TileResidency {
           counters_(counters),
           decode_(decode) {}
 
+    /// Host memory for what is learnt of a tile of the directory.
+    static uint64_t bytes_per_tile();
     /// Follows the directory's growth.
     void grow();
 
@@ -44,15 +46,16 @@ class TileResidency {
 
     /// Mesh and atlas have at least their first steps in the store (a tile without mesh has nothing to draw).
     bool drawable(NodeIndex node);
-    /// Placements and some level of all their maps are in the store.
-    bool relief_drawable(NodeIndex node, const MapDemand& demand);
     bool has_mesh(NodeIndex node) const {
         return !directory_.node(node).record->steps(tiles::tileset::Layer::kMesh).empty();
     }
-    /// The tile with the given steps of each layer, or fewer where fewer are in the store, and the levels of its maps
-    /// that come next to what is demanded. Marks its layers as drawn.
-    TileDraw draw(NodeIndex node, const std::array<uint8_t, tiles::tileset::kLayerCount>& steps,
-                  const MapDemand& demand);
+    /// The tile with the given steps of mesh and atlas, or fewer where fewer are in the store. Marks its layers as
+    /// drawn.
+    TileDraw draw(NodeIndex node, const std::array<uint8_t, tiles::tileset::kLayerCount>& steps);
+    /// Adds its facades to a draw, each with the level of its map that comes next to the wanted one (`levels`: by
+    /// placement), and marks what they need as drawn. False, and nothing is added: its placements or all levels of a
+    /// map of them are not in the store.
+    bool add_relief(NodeIndex node, std::span<const PlacementLevel> levels, TileDraw& out);
 
   private:
     struct Facts {
@@ -60,7 +63,6 @@ class TileResidency {
         uint32_t chart_count = kAnyChart;
         uint32_t coarsest_step_mip = 0;  ///< finest mip of the atlas' first step
         uint32_t mesh_triangles = 0, mesh_dressed_begin = 0;
-        uint32_t placements = 0;
     };
     void damaged(CachedLayer& layer, NodeIndex node, tiles::tileset::Layer kind, uint32_t step, const std::string& why);
     void learn_facade_maps(NodeIndex node);

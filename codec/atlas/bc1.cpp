@@ -26,9 +26,14 @@ void expand565(uint32_t colour, int rgb[3]) {
     rgb[2] = expand5(colour & 31u);
 }
 
+/// Nearest integer of a number that is not negative.
+int32_t rounded(float value) {
+    return static_cast<int32_t>(value + 0.5f);  // NOLINT(bugprone-incorrect-roundings): lround takes a call a texel
+}
+
 /// Nearest 5- or 6-bit value of a channel 0..255 (nearest after expansion, which rounding x * 31 / 255 gives).
 uint32_t quantise(float value, float levels) {
-    return static_cast<uint32_t>(std::clamp(value, 0.0f, 255.0f) * levels / 255.0f + 0.5f);
+    return static_cast<uint32_t>(rounded(std::clamp(value, 0.0f, 255.0f) * levels / 255.0f));
 }
 
 uint32_t quantise565(const float rgb[3]) {
@@ -222,7 +227,7 @@ Block best_block(const Texels& texels) {
             equal = equal && texels.channel[c][i] == texels.channel[c][0];
         }
         mean[c] = sum / kTexels;
-        rounded_mean[c] = static_cast<int>(mean[c] + 0.5f);
+        rounded_mean[c] = rounded(mean[c]);
     }
     const auto constant = constant_endpoints(rounded_mean);
     if (equal) return fit_indices(texels, constant.first, constant.second);

@@ -67,6 +67,11 @@ std::vector<std::byte> compress_frame(std::span<const std::byte> raw, int level)
     return frame;
 }
 
+uint64_t frame_content_size(std::span<const std::byte> frame) {
+    const unsigned long long claimed = ZSTD_getFrameContentSize(frame.data(), frame.size());
+    return claimed == ZSTD_CONTENTSIZE_ERROR || claimed == ZSTD_CONTENTSIZE_UNKNOWN ? 0 : claimed;
+}
+
 Result<std::vector<std::byte>> decompress_frame(std::span<const std::byte> frame, size_t decoded_size) {
     if (const Status checked = check_frame(frame, decoded_size); !checked) return checked.error();
     const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());

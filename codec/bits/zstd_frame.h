@@ -17,4 +17,7 @@ std::vector<std::byte> compress_frame(std::span<const std::byte> raw, int level 
 /// yields another size, when the checksum is wrong, when bytes follow the frame. Allocates `decoded_size` and no more.
 Result<std::vector<std::byte>> decompress_frame(std::span<const std::byte> frame, size_t decoded_size);
 
+/// The decoded size that a frame's header claims, 0 where it claims none. Nothing else of the frame is looked at.
+uint64_t frame_content_size(std::span<const std::byte> frame);
+
 }  // namespace citystream::codec::bits

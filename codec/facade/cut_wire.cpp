@@ -66,7 +66,8 @@ class CutCoder {
   public:
     explicit CutCoder(const BandView& view) : view_(view) {}
 
-    /// `starts`: first runs of the bands; `lists`: of each band's stripes. Given when writing, filled when reading.
+    /// `starts`: first runs of the bands; `lists`: of each band's stripes. Given when writing, filled when reading,
+    /// until the bytes run out.
     template <typename Coder>
     void code(Coder& coder, std::vector<size_t>& starts, std::vector<std::vector<size_t>>& lists) {
         code_bands(coder, starts);
@@ -75,6 +76,9 @@ class CutCoder {
         below_.assign(view_.along_classes.size(), 0);
         before_below_ = below_;
         for (size_t band = 0; band < starts.size(); ++band) {
+            if constexpr (Coder::kDecodes) {
+                if (!coder.ok()) return;
+            }
             const size_t end = band + 1 < starts.size() ? starts[band + 1] : view_.across_classes.size();
             lists.push_back(code_list(coder, starts[band], end, Coder::kDecodes ? std::vector<size_t>() : given[band]));
         }
@@ -270,7 +274,7 @@ Result<std::vector<uint32_t>> get_cut_wire(bits::RangeDecoder& decoder, size_t r
     const BandView view(*parts, decoder.bit(transposed) != 0);
     CutRuns runs;
     CutCoder(view).code(decoder, runs.starts, runs.lists);
-    if (!decoder.ok()) return Error{"patch map: cuts end too early", decoder.position()};
+    if (const Status finished = decoder.finish(); !finished) return finished.error();
     std::vector<uint32_t> labels = parts->labels;
     std::sort(labels.begin(), labels.end());
     if (std::unique(labels.begin(), labels.end()) - labels.begin() > static_cast<std::ptrdiff_t>(kMostLabels))

@@ -33,8 +33,9 @@ std::optional<CutMap> cut_map_of(std::span<const uint32_t> words);
 
 void put_cut_wire(const CutMap& map, bits::RangeEncoder& encoder);
 
-/// The words again. For untrusted bytes: an error, or words of some structure (but check_patch_map before use). Takes
-/// run grids of at most most_cut_cells(resident_bytes) cells, and 20 bytes of memory for each.
+/// The words again, of all the decoder's bytes. For untrusted bytes: an error, also when some are left over, or words
+/// of some structure (but check_patch_map before use). Takes run grids of at most most_cut_cells(resident_bytes) cells,
+/// and 20 bytes of memory for each that the bytes really hold.
 Result<std::vector<uint32_t>> get_cut_wire(bits::RangeDecoder& decoder, size_t resident_bytes);
 
 /// Grids with more cells travel as pools.

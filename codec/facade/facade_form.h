@@ -21,7 +21,7 @@ enum class FacadeForm : uint32_t {
     kQuotient = FACADE_FORM_QUOTIENT,  ///< distinct rows x distinct columns (quotient_map.h)
     kTiled = FACADE_FORM_TILED,        ///< quotient in pooled tiles (tiled_map.h)
     kRaw = FACADE_FORM_RAW,            ///< plain D, M and box index A (raw_map.h)
-    kMaxMip = FACADE_FORM_MAX_MIP,     ///< plain D and M with a pyramid of maxima (max_mip.h)
+    kMaxMip = FACADE_FORM_MAX_MIP,     ///< plain D and M with a pyramid of maxima (max_mip_map.h)
     kSvd = FACADE_FORM_SVD,            ///< singular value factors of D, M and A (singular_value_map.h)
     kBinary = FACADE_FORM_BINARY,      ///< binary factors of D, M and A (binary_map.h)
 };

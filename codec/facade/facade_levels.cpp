@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstdlib>
 #include <tuple>
 #include <utility>
@@ -103,19 +104,23 @@ RunGrid transposed(const RunGrid& grid) {
 
 }  // namespace
 
-RunGrid coarsen(const RunGrid& grid, uint32_t texel_cm) {
-    assert(is_valid(grid) && texel_cm >= 1);
-    return transposed(coarsen_columns(transposed(coarsen_columns(grid, texel_cm)), texel_cm));
+uint32_t texels_of(double metres, double texel_metres) {
+    return static_cast<uint32_t>(std::max(1.0, std::round(metres / texel_metres)));
 }
 
-std::vector<FacadeLevel> make_levels(const RunGrid& grid) {
+RunGrid coarsen(const RunGrid& grid, uint32_t texel) {
+    assert(is_valid(grid) && texel >= 1);
+    return transposed(coarsen_columns(transposed(coarsen_columns(grid, texel)), texel));
+}
+
+std::vector<FacadeLevel> make_levels(const RunGrid& grid, double texel_metres) {
     std::vector<FacadeLevel> levels;
     levels.push_back({merge_equal_runs(grid), 1, 0});
     const DepthRange depths = grid.depths();
     const auto depth_cm = static_cast<uint32_t>(std::max(std::abs(depths.min_mm), std::abs(depths.max_mm))) / 10;
     for (auto texel = kCoarseTexelsCm.rbegin(); texel != kCoarseTexelsCm.rend(); ++texel) {
         if (*texel > kTexelsPerDepth * depth_cm) break;
-        RunGrid coarse = coarsen(levels.front().grid, *texel);
+        RunGrid coarse = coarsen(levels.front().grid, texels_of(*texel * 0.01, texel_metres));
         const auto cells = static_cast<double>(coarse.labels.size());
         if (cells > kMostCellShare * static_cast<double>(levels.back().grid.labels.size())) continue;
         const auto error = static_cast<float>(difference(coarse, levels.front().grid).displacement_mm) * 0.001F;

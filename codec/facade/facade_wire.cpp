@@ -44,6 +44,7 @@ Result<std::vector<uint32_t>> expand_quotient_wire(FacadeForm form, bits::RangeD
                                                    size_t resident_bytes) {
     const auto parts = get_quotient_wire(decoder, limits_of(form, resident_bytes));
     if (!parts) return parts.error();
+    if (const Status finished = decoder.finish(); !finished) return finished.error();
     if (form == FacadeForm::kQuotient) return write_quotient_map(*parts);
     return encode_tiled_map(expand_quotient(*parts));
 }
@@ -67,8 +68,10 @@ void put_patch(std::span<const uint32_t> words, bits::RangeEncoder& encoder) {
 
 Result<std::vector<uint32_t>> get_patch(bits::RangeDecoder& decoder, size_t resident_bytes) {
     bits::BitModel is_pools(kIsPools);
-    if (decoder.bit(is_pools) != 0) return get_patch_wire(decoder, resident_bytes);
-    return get_cut_wire(decoder, resident_bytes);
+    if (decoder.bit(is_pools) == 0) return get_cut_wire(decoder, resident_bytes);
+    auto words = get_patch_wire(decoder, resident_bytes);
+    if (const Status finished = decoder.finish(); !finished) return finished.error();
+    return words;
 }
 
 uint64_t cost_of(const ShippedMap& map) {
@@ -111,7 +114,6 @@ Result<std::vector<uint32_t>> expand_wire(std::span<const std::byte> wire, size_
     if (!form) return Error{"facade payload of unknown form", 0};
     auto words = *form == FacadeForm::kPatch ? get_patch(decoder, resident_bytes)
                                              : expand_quotient_wire(*form, decoder, resident_bytes);
-    if (const Status finished = decoder.finish(); !finished) return finished.error();
     if (!words) return words.error();
     if (4 * words->size() != resident_bytes) {
         return Error{"facade payload expands to " + std::to_string(4 * words->size()) + " bytes, expected " +

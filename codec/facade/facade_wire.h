@@ -27,10 +27,11 @@ ShippedMap encode_shipped_map(const RunGrid& grid);
 std::vector<std::byte> encode_wire(std::span<const uint32_t> words);
 
 /// Expands and checks (check_form). For untrusted bytes: fails when they do not expand to exactly `resident_bytes`,
-/// when bytes are left over, or when the words do not pass. Work and memory are bounded by what words of
-/// `resident_bytes` can describe: at most 20 bytes a cell of the run grid of a patch map (which has at most 2^14 + 256
-/// cells a resident byte), 4 a cell of the label grid of a quotient and of the run grid of a tiled map; never more than
-/// 8192 x 8192 cells.
+/// when bytes are left over, or when the words do not pass. Reading ends where the bytes do, whatever sizes they claim,
+/// and nothing is built of a payload that is too short or too long. Work and memory are bounded, too, by what words of
+/// `resident_bytes` can describe: at most 20 bytes a cell of the run grid of a patch map (which has at most 2^14 cells
+/// and 256 more for each resident byte), 4 a cell of the label grid of a quotient and of the run grid of a tiled map;
+/// never more than 8192 x 8192 cells.
 Result<std::vector<uint32_t>> expand_wire(std::span<const std::byte> wire, size_t resident_bytes);
 
 }  // namespace citystream::codec::facade

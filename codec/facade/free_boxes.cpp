@@ -40,7 +40,7 @@ class LineMaxima {
         const size_t first = (from + kBlock - 1) / kBlock, last = to / kBlock;
         if (first >= last) return scan(height, line, from, to);
         if (scan(height, line, from, first * kBlock) || scan(height, line, last * kBlock, to)) return true;
-        const size_t level = std::bit_width(last - first) - 1;
+        const size_t level = std::bit_width((last - first) / 2);
         const std::vector<int16_t>& maxima = levels_[level];
         const size_t at = line * blocks_;
         return maxima[at + first] > height || maxima[at + last - (size_t{1} << level)] > height;
@@ -201,7 +201,7 @@ class CellsOfHeight {
 /// Cells sorted by displacement, in grid order where that is equal; `begins` of each displacement.
 std::vector<uint32_t> cells_by_height(const RunGrid& grid, std::vector<uint32_t>& begins) {
     begins.assign(65537, 0);
-    const auto key = [](uint32_t label) { return static_cast<size_t>(displacement_of(label) + 32768); };
+    const auto key = [](uint32_t label) { return static_cast<uint16_t>(displacement_of(label) + 32768); };
     for (const uint32_t label : grid.labels) ++begins[key(label) + 1];
     std::partial_sum(begins.begin(), begins.end(), begins.begin());
     std::vector<uint32_t> cells(grid.labels.size());

@@ -111,13 +111,13 @@ Status check_max_mip_map(std::span<const uint32_t> words) {
     const auto head = check_form_head(words, FacadeForm::kMaxMip, FACADE_MAX_MIP_HEADER_WORDS);
     if (!head) return head.error();
     const std::vector<Level> levels = pyramid_of(head->width, head->height);
-    if (const Status status = check_sections(words, levels, *head); !status) return status;
-    if (const Status status = check_maxima(words, levels); !status) return status;
+    if (Status status = check_sections(words, levels, *head); !status) return status;
+    if (Status status = check_maxima(words, levels); !status) return status;
     return check_depth_range(words, FACADE_MAX_MIP_HEADER_WORDS, *head);
 }
 
 Result<RunGrid> decode_max_mip_map(std::span<const uint32_t> words) {
-    if (const Status status = check_max_mip_map(words); !status) return status.error();
+    if (Status status = check_max_mip_map(words); !status) return status.error();
     const FormHead head = *read_form_head(words);
     return unpack_matrices(words, head, FACADE_MAX_MIP_HEADER_WORDS, words[FACADE_MAX_MIP_WORD_MATERIALS],
                            words[FACADE_MAX_MIP_WORD_BITS] & 0xffU);

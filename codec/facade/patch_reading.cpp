@@ -137,7 +137,7 @@ class Reader {
         if (stripes_read_ > head_.stripes) return wrong("overlapping stripe lists", list);
         std::vector<PatchStripe> stripes;
         for (uint32_t i = 0; i < count; ++i) {
-            const Status status = read_stripe(head_.stripes_at + first + i, stripes);
+            Status status = read_stripe(head_.stripes_at + first + i, stripes);
             if (!status) return status;
         }
         const uint32_t index_of_list = builder_.list(stripes);
@@ -240,14 +240,14 @@ class Reader {
         const uint32_t head = bits::read_bits(words_, bit, PATCH_FOLD_HEAD_BITS);
         const uint32_t different_columns = 1 + (head >> 6);
         bit += PATCH_FOLD_HEAD_BITS;
-        const auto row_lines = read_lines(bit, rows, head & 7u, at);
+        auto row_lines = read_lines(bit, rows, head & 7u, at);
         if (!row_lines) return row_lines;
-        const auto column_lines = read_lines(bit, columns, head >> 3 & 7u, at);
+        auto column_lines = read_lines(bit, columns, head >> 3 & 7u, at);
         if (!column_lines) return column_lines;
         const uint64_t different_rows = 1 + *std::max_element(row_lines->begin(), row_lines->end());
         if (different_columns != 1 + *std::max_element(column_lines->begin(), column_lines->end()))
             return wrong("different columns of a patch", at);
-        const auto cells = read_fields(bit, different_rows * different_columns, cell_bits, any_cell, at);
+        auto cells = read_fields(bit, different_rows * different_columns, cell_bits, any_cell, at);
         if (!cells) return cells;
         std::vector<uint32_t> grid;
         for (const uint32_t row : *row_lines) {

@@ -315,7 +315,7 @@ class Search {
         uint64_t columns = 0;
         for (const Band& band : bands_) columns += band.columns.size();
         const uint64_t texels = uint64_t{cells_.xs.back()} * cells_.ys.back();
-        const uint64_t most = (kCandidatesPerTexel * texels + kFreeCandidates) / columns;
+        const uint64_t most = (kCandidatesPerTexel * texels + kFreeCandidates) / std::max<uint64_t>(1, columns);
         most_columns_ = std::clamp<uint64_t>(most, kLeastCandidates, PATCH_MOST_BREAKS + 1);
     }
 
@@ -356,12 +356,12 @@ class Search {
             stripes.push_back({columns[i].x, steps[j].is_patch, static_cast<uint32_t>(j)});
         }
         std::reverse(stripes.begin(), stripes.end());
-        return finish_stripes(rows, columns, std::move(stripes), builder, parts);
+        return finish_stripes(rows, columns, stripes, builder, parts);
     }
 
     /// The patches of the stripes found, whose content is the end column until now.
-    Stripes finish_stripes(BandRows rows, const std::vector<BandColumn>& columns, Stripes found, PatchBuilder& builder,
-                           Uses& parts) {
+    Stripes finish_stripes(BandRows rows, const std::vector<BandColumn>& columns, const Stripes& found,
+                           PatchBuilder& builder, Uses& parts) {
         Stripes stripes;
         size_t i = 0;
         for (const PatchStripe& stripe : found) {

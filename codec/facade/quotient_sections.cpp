@@ -149,6 +149,7 @@ std::vector<uint32_t> block_maxima(const RunClasses& columns, const RunClasses& 
     });
     const int32_t step = (depths.max_mm - depths.min_mm + BLOCK_MAX_LEVELS - 1) / BLOCK_MAX_LEVELS;
     std::vector<uint32_t> levels;
+    levels.reserve(greatest.size());
     for (const int32_t depth : greatest)
         levels.push_back(depth <= depths.min_mm ? 0 : static_cast<uint32_t>((depth - depths.min_mm + step - 1) / step));
     return levels;

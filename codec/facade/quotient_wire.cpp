@@ -26,6 +26,13 @@ constexpr uint64_t kMostComparisons = uint64_t{1} << 27;
 constexpr uint32_t kMostModelledLabels = 4096;
 constexpr uint32_t kMostLabels = 1u << 26;
 
+/// False once a decoder's bytes have run out: what is read from then on costs nothing and says nothing.
+template <typename Coder>
+bool has_bytes(const Coder& coder) {
+    if constexpr (Coder::kDecodes) return coder.ok();
+    return true;
+}
+
 /// A number below any count.
 template <typename Coder>
 uint32_t code_uniform(Coder& coder, uint32_t count, uint32_t value) {
@@ -37,7 +44,8 @@ uint32_t code_uniform(Coder& coder, uint32_t count, uint32_t value) {
 /// The runs of one axis: which class follows, and how long it is.
 class AxisCoder {
   public:
-    /// Appends a run at a time until the breaks reach `size`. Fails when decoded runs go past it or are too many.
+    /// Appends a run at a time until the breaks reach `size`. Fails when decoded runs go past it, are too many, or end
+    /// too early.
     template <typename Coder>
     bool code(Coder& coder, uint32_t size, uint32_t most_runs, std::vector<uint32_t>& breaks,
               std::vector<uint32_t>& classes) {
@@ -54,7 +62,7 @@ class AxisCoder {
             }
             classes.push_back(code_class(coder, run_class));
             length = code_length(coder, classes.back(), length);
-            if (length > size - breaks.back()) return false;
+            if (length > size - breaks.back() || !has_bytes(coder)) return false;
             breaks.push_back(breaks.back() + length);
         }
         return true;
@@ -136,7 +144,7 @@ class LabelTableCoder {
             const int32_t least = i > 0 && depth == last_depth ? material + 1 : 0;
             material = least + static_cast<int32_t>(
                                    material_.code(coder, static_cast<uint32_t>(given_material - least)) & 0xffffu);
-            if (depth > INT16_MAX || material > UINT16_MAX) return false;
+            if (depth > INT16_MAX || material > UINT16_MAX || !has_bytes(coder)) return false;
             labels.push_back(make_label(depth, static_cast<uint32_t>(material)));
         }
         return true;
@@ -278,7 +286,7 @@ Status code_parts(Coder& coder, QuotientParts& parts, const QuotientLimits& limi
     const uint64_t count = uint64_t{parts.columns} * parts.rows;
     if (count > limits.class_cells) return failed("quotient of more cells than its words can hold");
 
-    std::vector<uint32_t> table, cells(count, 0), distances(parts.rows, 0);
+    std::vector<uint32_t> table, cells, distances(parts.rows, 0);
     const auto depth_first = [](uint32_t a, uint32_t b) {
         return std::pair(displacement_of(a), material_of(a)) < std::pair(displacement_of(b), material_of(b));
     };
@@ -286,9 +294,9 @@ Status code_parts(Coder& coder, QuotientParts& parts, const QuotientLimits& limi
         table = parts.labels;
         std::sort(table.begin(), table.end(), depth_first);
         table.erase(std::unique(table.begin(), table.end()), table.end());
-        for (size_t i = 0; i < count; ++i) {
-            const auto at = std::lower_bound(table.begin(), table.end(), parts.labels[i], depth_first);
-            cells[i] = static_cast<uint32_t>(at - table.begin());
+        for (const uint32_t label : parts.labels) {
+            const auto at = std::lower_bound(table.begin(), table.end(), label, depth_first);
+            cells.push_back(static_cast<uint32_t>(at - table.begin()));
         }
         distances = model_distances(cells, parts.columns, parts.rows);
     }
@@ -297,14 +305,14 @@ Status code_parts(Coder& coder, QuotientParts& parts, const QuotientLimits& limi
     for (uint32_t row = 0; row < parts.rows; ++row) {
         const uint32_t back = row < 2 ? row : coding.code_distance(coder, distances[row]) + 1;
         if (back > row) return failed("quotient row modelled on none");
+        // Room for a row at a time: the count is only claimed.
+        if constexpr (Coder::kDecodes) cells.resize(cells.size() + parts.columns);
         uint32_t* here = &cells[size_t{row} * parts.columns];
         coding.code_row(coder, row == 0 ? nullptr : here - size_t{back} * parts.columns, here);
-        if constexpr (Coder::kDecodes) {
-            if (!coder.ok()) return failed("quotient ends too early");
-        }
+        if (!has_bytes(coder)) return failed("quotient ends too early");
     }
-    parts.labels.resize(count);
-    for (size_t i = 0; i < count; ++i) parts.labels[i] = table[cells[i]];
+    for (uint32_t& cell : cells) cell = table[cell];
+    parts.labels = std::move(cells);
     return Done{};
 }
 

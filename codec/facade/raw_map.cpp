@@ -100,15 +100,15 @@ Status check_raw_map(std::span<const uint32_t> words) {
     const auto head = check_form_head(words, FacadeForm::kRaw, FACADE_RAW_HEADER_WORDS);
     if (!head) return head.error();
     const RawSections map = read_sections(words, *head);
-    if (const Status status = check_sections(words, map); !status) return status;
-    if (const Status status = check_depth_range(words, map.displacements, *head); !status) return status;
+    if (Status status = check_sections(words, map); !status) return status;
+    if (Status status = check_depth_range(words, map.displacements, *head); !status) return status;
     if (map.box_count == 0) return Done{};
-    if (const Status status = check_boxes(words, map.boxes, map.box_count, *head); !status) return status;
+    if (Status status = check_boxes(words, map.boxes, map.box_count, *head); !status) return status;
     return check_box_indices(words, map);
 }
 
 Result<RunGrid> decode_raw_map(std::span<const uint32_t> words) {
-    if (const Status status = check_raw_map(words); !status) return status.error();
+    if (Status status = check_raw_map(words); !status) return status.error();
     const RawSections map = read_sections(words, *read_form_head(words));
     return unpack_matrices(words, map.head, map.displacements, map.materials, map.material_bits);
 }

@@ -82,10 +82,10 @@ int32_t round_down(int32_t value, uint32_t low_bits) {
 Precision precision_at(const std::array<int32_t, 3>& low, const std::array<int32_t, 3>& high, uint32_t finest,
                        uint32_t more) {
     Precision precision;
-    for (uint32_t rest = more;; rest -= 3) {
-        precision.dropped.push_back(finest + rest);
-        if (finest + rest > 0) precision.rounding += 1u << (finest + rest - 1);
-        if (rest == 0) break;
+    for (uint32_t refinements = more / 3 + 1; refinements-- > 0;) {
+        const uint32_t dropped = finest + 3 * refinements;
+        precision.dropped.push_back(dropped);
+        if (dropped > 0) precision.rounding += 1u << (dropped - 1);
     }
     for (size_t c = 0; c < 3; ++c) {
         precision.origin[c] = round_down(low[c], finest + more);

@@ -27,7 +27,8 @@ constexpr const char* kClaim =
     "is kept as (factors larger than raw are refused).\n"
     "After each set: sums over it beside the goals. FILEs are pairs D.png M.png (8- or 16-bit grey, top row first; "
     "16-bit D: millimetres + 32768, 0 = no surface).\n"
-    "Without FILEs: made facades of the paper's four sizes, and ../shared/data/ingolstadt_facade_rasters at depth "
+    "Without FILEs: made facades of the paper's four sizes (regular, irregular, ornate), and "
+    "../shared/data/ingolstadt_facade_rasters at depth "
     "steps "
     "of 25 mm.";
 
@@ -184,6 +185,7 @@ int main(int argc, char** argv) {
     }
     measure_set(program, "regular", paper_facades(FacadeStyle::kRegular), options.split);
     measure_set(program, "irregular", paper_facades(FacadeStyle::kIrregular), options.split);
+    measure_set(program, "ornate", paper_facades(FacadeStyle::kOrnate), options.split);
     const auto surveyed = raster_facades(surveyed_facades_folder(), 25);
     if (surveyed.empty()) program.print_skipped("no surveyed rasters in ../shared/data");
     measure_set(program, kSurveyed, surveyed, options.split);

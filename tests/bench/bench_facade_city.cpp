@@ -104,6 +104,7 @@ Result<OurFrame> fly(const SampleCity& city, FacadeRenderer kind, const Camera& 
     options.width = camera.width;
     options.height = camera.height;
     options.facade_renderer = kind;
+    options.facade_samples = 1;  // as the triangles have
     options.gpu_budget_bytes = uint64_t{2} << 30;
     auto renderer = VulkanRenderer::create(options);
     if (!renderer) return renderer.error();

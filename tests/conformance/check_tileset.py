@@ -305,6 +305,9 @@ class Checker:
             self.expect(name in known or name.startswith("subtrees/"), f"{name}: nothing refers to it")
         listed = sum(1 for name in self.sizes if name.startswith("subtrees/"))
         self.expect(listed == self.subtrees, f"{listed} subtrees in the archive, {self.subtrees} reachable")
+        greatest = max((size for name, size in self.sizes.items() if name.startswith("subtrees/")), default=0)
+        stated = self.extension.get("greatestSubtreeBytes", 0)
+        self.expect(stated in (0, greatest), f"greatestSubtreeBytes is {stated}, the largest subtree has {greatest}")
         index = self.extension["facadeDictionary"]
         self.expect(isinstance(index["madeUp"], bool), "facadeDictionary.madeUp is neither true nor false")
         # 9 bytes a map and 16 a level, of which a map has one to four.

@@ -1,8 +1,8 @@
 // Runs a fuzz target without libFuzzer: every file of a seed folder, truncations of each, then seeded mutations until
 // the time is up.
-//   NAME_fuzz [--seconds N] DIR...
+//   NAME_fuzz [--seconds N | --mutations N] DIR...
 // A failure is a crash (or a sanitizer's report); the mutations are the same in every run, only their number depends on
-// the machine.
+// the machine, unless it is given.
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
@@ -30,19 +30,25 @@ constexpr uint8_t kAwkwardBytes[] = {0x00, 0x01, 0x7f, 0x80, 0xfe, 0xff, ' ', '"
 
 struct Options {
     double seconds = 4;
+    uint64_t mutations = 0;  ///< given: as many, however long they take
     std::vector<std::filesystem::path> folders;
 };
 
 bool parse(int argc, char** argv, Options& options) {
     for (int i = 1; i < argc; ++i) {
-        if (std::string_view(argv[i]) != "--seconds") {
+        const std::string_view option = argv[i];
+        if (option != "--seconds" && option != "--mutations") {
             options.folders.emplace_back(argv[i]);
             continue;
         }
         char* end = nullptr;
         if (++i >= argc) return false;
-        options.seconds = std::strtod(argv[i], &end);
-        if (*end != '\0' || !(options.seconds >= 0)) return false;
+        const double number = std::strtod(argv[i], &end);
+        if (*end != '\0' || !(number >= 0 && number < 1e15)) return false;
+        if (option == "--seconds")
+            options.seconds = number;
+        else
+            options.mutations = static_cast<uint64_t>(number);
     }
     return !options.folders.empty();
 }
@@ -69,10 +75,14 @@ std::vector<Bytes> read_seeds(const std::vector<std::filesystem::path>& folders)
 
 class Runner {
   public:
-    explicit Runner(double seconds)
-        : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {}
+    explicit Runner(const Options& options)
+        : mutations_(options.mutations),
+          end_(Clock::now() +
+               std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.seconds))) {}
 
-    bool time_left() const { return Clock::now() < end_; }
+    bool time_left() const { return mutations_ > 0 || Clock::now() < end_; }
+    /// Whether a mutation is to follow `done`.
+    bool goes_on(uint64_t done) const { return mutations_ > 0 ? done < mutations_ : time_left(); }
     uint64_t executions() const { return executions_; }
 
     /// In a buffer of exactly this size, so that a sanitizer sees the first byte past the end.
@@ -83,6 +93,7 @@ class Runner {
     }
 
   private:
+    uint64_t mutations_;
     Clock::time_point end_;
     uint64_t executions_ = 0;
 };
@@ -135,7 +146,7 @@ void mutate_once(std::mt19937_64& random, Bytes& bytes, const std::vector<Bytes>
 
 void run_mutations(Runner& runner, const std::vector<Bytes>& seeds) {
     std::mt19937_64 random(1);
-    while (runner.time_left()) {
+    for (uint64_t done = 0; runner.goes_on(done); ++done) {
         Bytes bytes = seeds[below(random, seeds.size())];
         for (size_t changes = 1 + below(random, 6); changes > 0; --changes) mutate_once(random, bytes, seeds);
         runner.run(bytes.data(), bytes.size());
@@ -147,11 +158,11 @@ void run_mutations(Runner& runner, const std::vector<Bytes>& seeds) {
 int main(int argc, char** argv) {
     Options options;
     if (!parse(argc, argv, options)) {
-        std::fprintf(stderr, "usage: %s [--seconds N] DIR...\n", argv[0]);
+        std::fprintf(stderr, "usage: %s [--seconds N | --mutations N] DIR...\n", argv[0]);
         return 2;
     }
     const std::vector<Bytes> seeds = read_seeds(options.folders);
-    Runner runner(options.seconds);
+    Runner runner(options);
     for (const Bytes& seed : seeds) runner.run(seed.data(), seed.size());
     for (const Bytes& seed : seeds) run_truncations(runner, seed);
     run_mutations(runner, seeds);

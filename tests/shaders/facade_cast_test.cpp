@@ -103,6 +103,54 @@ INSTANTIATE_TEST_SUITE_P(Renderers, RendererCast, testing::ValuesIn(kExactRender
     return name;
 });
 
+/// Whether the label is that of a texel within float's rounding of where the ray is.
+bool is_label_at(const codec::facade::FacadeMatrices& facade, const Ray& ray, const ShaderHit& hit) {
+    for (const float du : {-0.01f, 0.01f}) {
+        for (const float dv : {-0.01f, 0.01f}) {
+            const float u = ray[0] + hit.t * ray[3] + du, v = ray[1] + hit.t * ray[4] + dv;
+            const auto x = static_cast<uint32_t>(std::clamp(u, 0.0f, static_cast<float>(facade.width - 1)));
+            const auto y = static_cast<uint32_t>(std::clamp(v, 0.0f, static_cast<float>(facade.height - 1)));
+            const size_t i = size_t{y} * facade.width + x;
+            if (hit.label == codec::facade::make_label(facade.displacement_mm[i], facade.material[i])) return true;
+        }
+    }
+    return false;
+}
+
+// The stated fallback (facade_stuck): the front of the cell where the ray is, so that there is no hole and no endless
+// loop.
+TEST_P(RendererCast, EndsAtItsStepBoundOnTheFrontOfTheCellWhereTheRayIs) {
+    const RunGrid grid = random_facade(5, 400, 300, 16);
+    const codec::facade::FacadeMatrices matrices = codec::facade::expand(grid);
+    const std::vector<Ray> rays = rays_at(grid, 9, 2000);
+    for (const FacadeForm form : forms_of(GetParam())) {
+        const std::vector<uint32_t> words = words_in(form, grid);
+        ASSERT_FALSE(words.empty());
+        size_t stuck = 0;
+        for (const uint32_t bound : {0u, 1u, 2u, 3u, 5u, 8u}) {
+            for (size_t i = 0; i < rays.size(); ++i) {
+                const float *origin = rays[i].data(), *direction = origin + 3;
+                const ShaderHit whole = cast_on_cpu(GetParam(), words, origin, direction);
+                limit_steps_on_cpu(bound);
+                ShaderCost cost;
+                const ShaderHit hit = cast_on_cpu(GetParam(), words, origin, direction, 0, 0, &cost);
+                limit_steps_on_cpu();
+                ASSERT_LE(cost.steps, bound + 3) << "ray " << i;  // a band's, a stripe's and a cell's beyond the bound
+                const bool is_whole = hit.hit == whole.hit && hit.t == whole.t && hit.label == whole.label;
+                if (is_whole) continue;
+                ++stuck;
+                ASSERT_TRUE(hit.hit) << "a hole at ray " << i << ", bound " << bound;
+                EXPECT_EQ(hit.axis, 2);
+                EXPECT_EQ(hit.side, 1);
+                EXPECT_TRUE(!whole.hit || hit.t <= whole.t) << "ray " << i << " went on through what it meets";
+                EXPECT_TRUE(is_label_at(matrices, rays[i], hit)) << "ray " << i << ", bound " << bound;
+            }
+        }
+        EXPECT_GT(stuck, rays.size() / 20) << codec::facade::form_name(form);
+        std::printf("%s: %zu rays met the bound\n", std::string(codec::facade::form_name(form)).c_str(), stuck);
+    }
+}
+
 // Relief mapping's error: the share of rays that it gets wrong by their angle from the normal, over a facade of
 // windows.
 TEST(ReliefMapping, MissesMoreTheFlatterTheRay) {

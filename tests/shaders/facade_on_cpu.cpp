@@ -12,6 +12,7 @@ using namespace citystream::glsl;
 #include "shaders/facade_lookup_binary.glsl"
 #include "shaders/facade_lookup_raw.glsl"
 #include "shaders/facade_lookup_svd.glsl"
+#include "shaders/facade_samples.glsl"
 #include "shaders/facade_step_max_mip.glsl"
 #include "shaders/facade_step_patch.glsl"
 #include "shaders/facade_step_tiled.glsl"
@@ -127,6 +128,10 @@ ShaderHit cast_on_cpu(client::FacadeRenderer renderer, std::span<const uint32_t>
     return {hit.hit, hit.t, hit.label, hit.axis, hit.side > 0 ? 1 : -1, hit.at_edge};
 }
 
+void limit_steps_on_cpu(uint32_t most) {
+    step_limit = most;
+}
+
 uint32_t lookup_on_cpu(std::span<const uint32_t> words, uint32_t x, uint32_t y, ShaderCost* cost) {
     const FacadeMap map = facade_map(layer_reference(words));
     forget_counts();
@@ -158,6 +163,18 @@ uint32_t lookup_on_cpu(std::span<const uint32_t> words, uint32_t x, uint32_t y, 
     }
     add_counts(cost);
     return label;
+}
+
+std::array<float, 2> sample_offset_on_cpu(uint32_t i, uint32_t count) {
+    const vec2 offset = facade_sample_offset(i, count);
+    return {offset.x, offset.y};
+}
+
+uint32_t sample_count_on_cpu(const float ray[3], const float right[3], const float down[3], float t,
+                             const float finest[2], uint32_t most) {
+    const auto vector = [](const float v[3]) { return vec3(v[0], v[1], v[2]); };
+    return facade_sample_count(facade_footprint(vector(ray), vector(right), vector(down), t),
+                               vec2(finest[0], finest[1]), most);
 }
 
 client::FacadeRenderer exact_renderer_of(codec::facade::FacadeForm form) {

@@ -3,6 +3,7 @@
 // map.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -30,6 +31,16 @@ struct ShaderHit {
 /// cast_facade_ray of facade_cast.glsl for checked words in a form that the renderer draws; other forms are never hit.
 ShaderHit cast_on_cpu(client::FacadeRenderer renderer, std::span<const uint32_t> words, const float origin[3],
                       const float direction[3], float begin = 0, float margin = 0, ShaderCost* cost = nullptr);
+
+/// Place of a sample in its pixel, and how many a pixel takes, as facade_samples.glsl has them. `ray`, `right`, `down`:
+/// in facade space, by pixel; `finest`: texels.
+std::array<float, 2> sample_offset_on_cpu(uint32_t i, uint32_t count);
+uint32_t sample_count_on_cpu(const float ray[3], const float right[3], const float down[3], float t,
+                             const float finest[2], uint32_t most);
+
+/// The most steps of every ray cast on this thread from now on, where it is below the stepper's own bound; without an
+/// argument the steppers' own bounds again.
+void limit_steps_on_cpu(uint32_t most = ~0u);
 
 /// A renderer that casts rays exactly against maps of this form.
 client::FacadeRenderer exact_renderer_of(codec::facade::FacadeForm form);

@@ -25,6 +25,7 @@
 #define OUT(type) type&
 #define INOUT(type) type&
 #define COUNT_STEP() (void)++citystream::glsl::counted_steps
+#define STEP_BOUND(most) citystream::glsl::min<citystream::glsl::uint>(most, citystream::glsl::step_limit)
 
 namespace citystream::glsl {
 
@@ -37,6 +38,7 @@ static_assert(std::is_same_v<decltype(1.0), float>, "compile GLSL with -fsingle-
 inline thread_local uint64_t counted_loads = 0;  ///< calls of layer_word and layer_words4
 inline thread_local uint64_t counted_words = 0;  ///< words that they gave
 inline thread_local uint64_t counted_steps = 0;
+inline thread_local uint step_limit = ~0u;  ///< of a ray, below the stepper's own bound
 
 /// Words of a layer; what uvec2 references refer to.
 using LayerWords = std::span<const uint32_t>;

@@ -46,7 +46,8 @@ class ArchiveReader {
     static Result<std::shared_ptr<ArchiveReader>> open(const std::string& path);
     virtual ~ArchiveReader() = default;
     /// Contents of an entry straight from the mapping, or nothing (data() == nullptr) when there is no such entry.
-    /// O(log n) by the hash index.
+    /// O(log n): by the names, which opening has sorted; the hash index, an MD5 a look-up, is for readers that do not
+    /// read the whole central directory.
     virtual std::span<const std::byte> find(std::string_view name) const = 0;
     virtual const std::vector<ArchiveEntry>& entries() const = 0;  ///< in file order, without the index
     virtual uint64_t file_size() const = 0;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <numeric>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -150,14 +152,19 @@ Status place_all(Bytes file, ArchiveLayout& layout) {
     return place_contents(file, layout.index, layout.central_offset);
 }
 
-Status check_unique(const ArchiveLayout& layout) {
-    std::vector<std::string_view> names;
-    names.reserve(layout.entries.size() + 1);
-    for (const PlacedRecord& placed : layout.entries) names.push_back(placed.record.name);
-    names.push_back(layout.index.record.name);
-    std::sort(names.begin(), names.end());
-    const auto twice = std::adjacent_find(names.begin(), names.end());
-    if (twice != names.end()) return Error{std::string(*twice) + ": appears twice"};
+/// Sorts the names, of which none may appear twice or be the index's.
+Status order_names(ArchiveLayout& layout) {
+    const auto name_of = [&](size_t position) -> const std::string& { return layout.entries[position].record.name; };
+    std::vector<size_t>& order = layout.by_name;
+    order.resize(layout.entries.size());
+    std::iota(order.begin(), order.end(), size_t{0});
+    std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return name_of(a) < name_of(b); });
+    const auto twice =
+        std::adjacent_find(order.begin(), order.end(), [&](size_t a, size_t b) { return name_of(a) == name_of(b); });
+    if (twice != order.end()) return Error{name_of(*twice) + ": appears twice"};
+    const auto index = std::lower_bound(order.begin(), order.end(), kIndexName,
+                                        [&](size_t a, std::string_view name) { return name_of(a) < name; });
+    if (index != order.end() && name_of(*index) == kIndexName) return Error{name_of(*index) + ": appears twice"};
     return Done{};
 }
 
@@ -213,7 +220,7 @@ Result<ArchiveLayout> read_layout(Bytes file) {
     layout.index = std::move(layout.entries.back());
     layout.entries.pop_back();
     if (auto status = place_all(file, layout); !status) return status.error();
-    if (auto status = check_unique(layout); !status) return status.error();
+    if (auto status = order_names(layout); !status) return status.error();
     if (auto status = check_index(file, layout); !status) return status.error();
     return layout;
 }

@@ -22,6 +22,7 @@ struct PlacedRecord {
 
 struct ArchiveLayout {
     std::vector<PlacedRecord> entries;  ///< in file order, without the index
+    std::vector<size_t> by_name;        ///< positions in `entries`, sorted by the entries' names
     PlacedRecord index;
     uint64_t central_offset = 0;
     uint64_t central_bytes = 0;

@@ -10,7 +10,6 @@
 
 #include "tiles/archive/archive.h"
 #include "tiles/archive/archive_layout.h"
-#include "tiles/archive/hash_index.h"
 #include "tiles/archive/verify.h"
 
 namespace citystream::tiles::archive {
@@ -65,21 +64,15 @@ class Reader final : public ArchiveReader {
         for (const PlacedRecord& placed : layout_.entries) {
             entries_.push_back({placed.record.name, placed.data_offset, placed.record.size, placed.record.crc32});
         }
-        index_ = file_.subspan(layout_.index.data_offset, layout_.index.record.size);
     }
 
     Bytes find(std::string_view name) const override {
-        const NameHash hash = hash_name(name);
-        const size_t count = index_.size() / kIndexEntryBytes;
-        for (size_t i = lower_bound(index_, hash); i < count; ++i) {
-            const IndexEntry candidate = index_entry(index_, i);
-            if (candidate.hash != hash) break;
-            const PlacedRecord* placed = entry_at(candidate.header_offset);
-            if (placed != nullptr && placed->record.name == name) {
-                return file_.subspan(placed->data_offset, placed->record.size);
-            }
-        }
-        return {};
+        const auto found =
+            std::lower_bound(layout_.by_name.begin(), layout_.by_name.end(), name,
+                             [&](size_t position, std::string_view wanted) { return name_of(position) < wanted; });
+        if (found == layout_.by_name.end() || name_of(*found) != name) return {};
+        const PlacedRecord& placed = layout_.entries[*found];
+        return file_.subspan(placed.data_offset, placed.record.size);
     }
 
     const std::vector<ArchiveEntry>& entries() const override { return entries_; }
@@ -87,17 +80,11 @@ class Reader final : public ArchiveReader {
     std::vector<Error> verify() const override { return verify_archive(file_, layout_); }
 
   private:
-    const PlacedRecord* entry_at(uint64_t header_offset) const {
-        const auto found =
-            std::lower_bound(layout_.entries.begin(), layout_.entries.end(), header_offset,
-                             [](const PlacedRecord& a, uint64_t offset) { return a.record.header_offset < offset; });
-        return found != layout_.entries.end() && found->record.header_offset == header_offset ? &*found : nullptr;
-    }
+    std::string_view name_of(size_t position) const { return layout_.entries[position].record.name; }
 
     Mapping mapping_;  // owns what file_ views, or nothing when the caller owns the bytes
     Bytes file_;
     ArchiveLayout layout_;
-    Bytes index_;
     std::vector<ArchiveEntry> entries_;
 };
 

@@ -8,6 +8,8 @@
 
 namespace citystream::tiles::archive {
 
+namespace {
+
 NameHash hash_name(std::string_view name) {
     std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
     EVP_Digest(name.data(), name.size(), digest.data(), nullptr, EVP_md5(), nullptr);
@@ -15,6 +17,8 @@ NameHash hash_name(std::string_view name) {
     std::memcpy(&hash, digest.data(), sizeof hash);
     return hash;
 }
+
+}  // namespace
 
 std::vector<std::byte> build_index(std::span<const ZipRecord> records) {
     std::vector<IndexEntry> entries;
@@ -33,20 +37,6 @@ IndexEntry index_entry(std::span<const std::byte> index, size_t i) {
     IndexEntry entry;
     std::memcpy(&entry, index.data() + i * kIndexEntryBytes, kIndexEntryBytes);
     return entry;
-}
-
-size_t lower_bound(std::span<const std::byte> index, const NameHash& hash) {
-    size_t low = 0;
-    size_t high = index.size() / kIndexEntryBytes;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (index_entry(index, middle).hash < hash) {
-            low = middle + 1;
-        } else {
-            high = middle;
-        }
-    }
-    return low;
 }
 
 }  // namespace citystream::tiles::archive

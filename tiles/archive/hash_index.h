@@ -18,11 +18,9 @@ inline constexpr size_t kIndexEntryBytes = 24;
 /// An MD5 in the order in which the index is sorted: `first` are bytes 0..7, `second` bytes 8..15, both little-endian.
 struct NameHash {
     uint64_t first = 0, second = 0;
-    friend auto operator<=>(const NameHash&, const NameHash&) = default;  // NOLINT(modernize-use-nullptr)
+    friend auto operator<=>(const NameHash&, const NameHash&) = default;
 };
 static_assert(sizeof(NameHash) == 16);
-
-NameHash hash_name(std::string_view name);
 
 /// The index's bytes for these entries (the index itself is not among them). O(n log n).
 std::vector<std::byte> build_index(std::span<const ZipRecord> records);
@@ -33,9 +31,5 @@ struct IndexEntry {
     uint64_t header_offset = 0;
 };
 IndexEntry index_entry(std::span<const std::byte> index, size_t i);
-
-/// Position of the first index entry whose hash is not below `hash`; entries with equal hashes follow each other. O(log
-/// n).
-size_t lower_bound(std::span<const std::byte> index, const NameHash& hash);
 
 }  // namespace citystream::tiles::archive

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "codec/facade/facade_layout.h"
+#include "tiles/city/building_facts.h"
 #include "tiles/city/facade_catalog.h"
 
 namespace citystream::tiles::city {
@@ -92,6 +93,7 @@ struct FacadeWall {
 struct CityObject {
     std::string id;
     ObjectKind kind = ObjectKind::kOther;
+    BuildingFacts facts;         ///< of buildings, where the input says them
     std::vector<Vec3> vertices;  ///< welded: equal positions once
     std::vector<Triangle> triangles;
     std::vector<FacadeWall> facades;

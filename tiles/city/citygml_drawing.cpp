@@ -255,6 +255,9 @@ bool GmlDrawer::draw_part(int32_t part) {
     }
     mismatched_textures_ = 0;
     reading_.builder.begin(object.id, object.kind, where);
+    BuildingFacts facts = object.facts;
+    facts.inherit(feature_->parts[0].facts);
+    reading_.builder.set_facts(facts);
     draw_uses(chosen);
     if (part == 0 && unresolved_ > 0)
         reading_.builder.report(fmt::format("{} reference(s) to surfaces that are not in the feature", unresolved_));

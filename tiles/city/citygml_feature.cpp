@@ -78,6 +78,11 @@ int lod_of_property(std::string_view name) {
     return name[3] - '0';
 }
 
+/// A property of a part itself, not of a surface or an installation of it.
+bool is_fact_of_part(std::string_view name, const GmlPlace& place) {
+    return place.part >= 0 && place.role == GmlRole::kBody && is_building_fact(name);
+}
+
 int32_t dimension_of(const XmlAttributes& attributes, int32_t inherited) {
     const std::string_view text = attributes["srsDimension"];
     int32_t value = 0;
@@ -117,6 +122,7 @@ bool GmlFeatureParser::start(std::string_view name, const XmlAttributes& attribu
             if (!start_geometry(name, attributes, level)) start_object(name, attributes, line, level);
         } else {
             start_property(name, attributes, level);
+            text = is_fact_of_part(name, level.place);
         }
     }
     stack_.push_back(level);
@@ -134,7 +140,7 @@ void GmlFeatureParser::start_part(std::string_view name, const XmlAttributes& at
     if (id.empty()) id = std::string(name) + " at line " + std::to_string(line);
     level = {};
     level.place.part = static_cast<int32_t>(feature_.parts.size());
-    feature_.parts.push_back({std::move(id), std::string(name), object_kind(name), line});
+    feature_.parts.push_back({std::move(id), std::string(name), object_kind(name), line, {}});
 }
 
 void GmlFeatureParser::start_object(std::string_view name, const XmlAttributes&, uint64_t, Level& level) {
@@ -234,6 +240,8 @@ void GmlFeatureParser::end(std::string_view name, const std::string& text) {
     if (!level.skipped) {
         const bool coordinates = name == "posList" || name == "pos" || name == "coordinates";
         if (coordinates && level.around == Around::kRing) add_points(text);
+        if (is_fact_of_part(name, level.place))
+            note_building_fact(feature_.parts[static_cast<size_t>(level.place.part)].facts, name, text);
         if ((name == "LinearRing" || name == "Ring") && level.around == Around::kRing) end_ring();
         const int32_t outer = stack_.size() > 1 ? stack_[stack_.size() - 2].place.node : -1;
         if (level.place.node >= 0 && level.place.node != outer) {

@@ -21,6 +21,7 @@ struct GmlPart {
     std::string id, type;
     ObjectKind kind = ObjectKind::kOther;
     uint64_t line = 0;
+    BuildingFacts facts;
 };
 
 /// Where in the feature an element stands. -1: nowhere of that sort.

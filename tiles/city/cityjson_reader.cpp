@@ -63,6 +63,30 @@ struct Member {
     bool has_geometry = false;
 };
 
+/// Attributes of an object as facts; of a list its first entry.
+BuildingFacts own_facts(element value) {
+    BuildingFacts facts;
+    object attributes;
+    if (value["attributes"].get(attributes)) return facts;
+    for (const auto field : attributes) {
+        if (!is_building_fact(field.key)) continue;
+        element said = field.value;
+        array list;
+        if (!said.get(list) && list.begin() != list.end()) said = *list.begin();
+        std::string_view text;
+        int64_t number = 0;
+        double real = 0;
+        if (!said.get(text)) {
+            note_building_fact(facts, field.key, text);
+        } else if (!said.get(number)) {
+            note_building_fact(facts, field.key, std::to_string(number));
+        } else if (!said.get(real)) {
+            note_building_fact(facts, field.key, fmt::format("{}", real));
+        }
+    }
+    return facts;
+}
+
 class CityJsonReader {
   public:
     CityJsonReader(TextSource& source, CityReading& reading)
@@ -269,6 +293,14 @@ class CityJsonReader {
         return Done{};
     }
 
+    /// What is said of an object, or else of the building that it is a part of.
+    BuildingFacts facts_of(const Member& member) const {
+        BuildingFacts facts = own_facts(member.value);
+        const size_t top = root_of(by_id_.at(member.id));
+        if (members_[top].id != member.id) facts.inherit(own_facts(members_[top].value));
+        return facts;
+    }
+
     /// The geometries to take: those of the LoD asked for, else of the highest.
     std::vector<element> chosen_geometries(const Member& member, std::string& lods) const {
         array list;
@@ -303,6 +335,7 @@ class CityJsonReader {
         }
         const bool installation = member.type == "BuildingInstallation";
         reading_.builder.begin(id, object_kind(member.type), place(member));
+        reading_.builder.set_facts(facts_of(member));
         for (const element geometry : chosen) {
             geometry_reader_.add(geometry, pools, installation ? SurfaceKind::kInstallation : SurfaceKind::kUnknown);
         }

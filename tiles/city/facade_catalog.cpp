@@ -15,8 +15,8 @@ namespace {
 
 using codec::facade::RunGrid;
 
-constexpr int kZstdLevel = 3;             // maps are read back a few times and never sent in this form
-constexpr size_t kMapOverheadBytes = 96;  // vector, its block, hash node
+constexpr int kZstdLevel = 3;              // maps are read back a few times and never sent in this form
+constexpr size_t kMapOverheadBytes = 104;  // vector, its block, hash node
 
 /// What stands before the runs: counts of the three lists that follow.
 struct Head {
@@ -104,14 +104,17 @@ class MapReader {
 
 }  // namespace
 
-uint32_t FacadeCatalog::add(const RunGrid& grid) {
-    assert(is_valid(grid));
+uint32_t FacadeCatalog::add(const RunGrid& grid, double texel_metres) {
+    assert(is_valid(grid) && texel_metres > 0);
     const std::vector<std::byte> raw = serialise(codec::facade::merge_equal_runs(grid));
-    Stored stored{codec::bits::compress_frame(raw, kZstdLevel), static_cast<uint32_t>(raw.size())};
+    Stored stored{codec::bits::compress_frame(raw, kZstdLevel), static_cast<uint32_t>(raw.size()), texel_metres};
     const uint64_t hash = XXH3_64bits(stored.frame.data(), stored.frame.size());
     const auto [first, last] = by_hash_.equal_range(hash);
     for (auto same = first; same != last; ++same) {
-        if (maps_[same->second].frame == stored.frame) return same->second;
+        Stored& kept = maps_[same->second];
+        if (kept.frame != stored.frame) continue;
+        kept.texel_metres = std::min(kept.texel_metres, texel_metres);
+        return same->second;
     }
     const auto index = static_cast<uint32_t>(maps_.size());
     stored.frame.shrink_to_fit();

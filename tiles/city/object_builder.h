@@ -39,6 +39,7 @@ class ObjectBuilder {
     ObjectBuilder(MaterialTable& materials, CityReport& report) : materials_(materials), report_(report) {}
 
     void begin(std::string id, ObjectKind kind, std::string where);
+    void set_facts(const BuildingFacts& facts) { object_.facts = facts; }
 
     void begin_surface() {
         corners_.clear();

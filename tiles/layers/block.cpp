@@ -30,14 +30,10 @@ struct ColourSum {
         for (size_t c = 0; c < 3; ++c) sum[c] += w * static_cast<double>(srgb_to_linear(rgb[c]));
         weight += w;
     }
-    /// Rounded to 5 bits a channel: what BC1 keeps, and fewer charts.
     std::array<uint8_t, 3> mean() const {
         std::array<uint8_t, 3> out = {180, 180, 180};
-        for (size_t c = 0; c < 3 && weight > 0; ++c) {
-            const int five = linear_to_srgb(static_cast<float>(sum[c] / weight)) * 31 / 255;
-            out[c] = static_cast<uint8_t>(five << 3 | five >> 2);
-        }
-        return out;
+        for (size_t c = 0; c < 3 && weight > 0; ++c) out[c] = linear_to_srgb(static_cast<float>(sum[c] / weight));
+        return weight > 0 ? rounded_colour(out) : out;
     }
 };
 

@@ -44,7 +44,10 @@ class CityBuild {
         if (reference_) summary.reference_bytes = std::filesystem::file_size(options_.reference);
         summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         summary.peak_memory_bytes = peak_memory();
-        if (dresser_) summary.dressing = dresser_->report();
+        if (dresser_) {
+            summary.dressing = dresser_->report();
+            summary.dressing->hidden_by_neighbours = hidden_facades_;
+        }
         if (extractor_ && extractor_->report().buildings > 0) summary.relief = extractor_->report();
         return summary;
     }
@@ -80,7 +83,7 @@ class CityBuild {
 
     Status take_objects(const CitySource& source) {
         std::optional<Error> failed;
-        const Status read = source(header_, catalog_, report_, [&](city::CityObject&& object) {
+        Status read = source(header_, catalog_, report_, [&](city::CityObject&& object) {
             if (Status status = take(object); !status) failed = status.error();
             if (cancelled()) failed = Error{"interrupted"};
             return !failed;
@@ -116,6 +119,7 @@ class CityBuild {
         auto tiles = build_tiles(
             {options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, preview, made_up_ground});
         if (!tiles) return tiles.error();
+        for (const BuiltTile& tile : *tiles) hidden_facades_ += tile.hidden_facades;
         fill_manifest(*tree, tiles->front().record.bounds, made_up_ground);
         manifest_.build_options += merging_text(*numbers);
         const std::vector<std::byte> picture = preview.encode(folder_->path() + "/preview.png");
@@ -163,7 +167,7 @@ class CityBuild {
             square += std::pow(manifest_.extent.max[axis] - manifest_.extent.min[axis], 2);
         manifest_.root_geometric_error = std::max(std::sqrt(square), 1.0);
         manifest_.buildings = report_.buildings_emitted;
-        manifest_.facades = objects_->facades();
+        manifest_.facades = objects_->facades() - hidden_facades_;
         manifest_.facades_made_up = dresser_ && dresser_->report().facades > 0;
         manifest_.build_options = options_.description + (made_up_ground ? " ground=made-up" : "");
     }
@@ -175,6 +179,7 @@ class CityBuild {
     std::optional<Dresser> dresser_;
     std::optional<ReliefExtractor> extractor_;
     tileset::Manifest manifest_;
+    uint64_t hidden_facades_ = 0;
     std::unique_ptr<quadtree::SpoolFolder> folder_;  // before the files in it, so that it goes last
     std::unique_ptr<quadtree::ObjectSpool> objects_;
     std::unique_ptr<quadtree::SpoolFile> layer_spool_, content_spool_, facade_spool_;

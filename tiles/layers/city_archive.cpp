@@ -25,6 +25,7 @@ TileAddress subtree_root(TileAddress tile, uint32_t subtree_levels) {
 
 std::vector<tileset::Subtree> make_subtrees(const std::vector<BuiltTile>& tiles, uint32_t subtree_levels) {
     std::vector<const BuiltTile*> sorted;
+    sorted.reserve(tiles.size());
     for (const BuiltTile& tile : tiles) sorted.push_back(&tile);
     std::sort(sorted.begin(), sorted.end(),
               [](const BuiltTile* a, const BuiltTile* b) { return morton_less(a->record.address, b->record.address); });
@@ -39,6 +40,7 @@ std::vector<tileset::Subtree> make_subtrees(const std::vector<BuiltTile>& tiles,
         }
     }
     std::vector<tileset::Subtree> subtrees;
+    subtrees.reserve(by_root.size());
     for (auto& [root, subtree] : by_root) subtrees.push_back(std::move(subtree));
     return subtrees;
 }
@@ -75,16 +77,30 @@ Status add_tile(archive::ArchiveWriter& writer, const ArchiveContents& contents,
     return Done{};
 }
 
+struct SubtreeFile {
+    std::string name;
+    std::vector<std::byte> bytes;
+};
+
+/// All of them, for the manifest before them says how large they get.
+std::vector<SubtreeFile> make_subtree_files(const ArchiveContents& contents) {
+    std::vector<SubtreeFile> files;
+    for (const tileset::Subtree& subtree : make_subtrees(contents.tiles, contents.manifest.subtree_levels)) {
+        files.push_back({tileset::subtree_path(subtree.root), tileset::write_subtree(subtree, contents.manifest)});
+        uint64_t& greatest = contents.manifest.greatest_subtree_bytes;
+        greatest = std::max<uint64_t>(greatest, files.back().bytes.size());
+    }
+    return files;
+}
+
 Status add_directory(archive::ArchiveWriter& writer, const ArchiveContents& contents) {
     const std::vector<std::byte> index = tileset::write_facade_index(contents.facades.records(), contents.manifest);
+    const std::vector<SubtreeFile> subtrees = make_subtree_files(contents);
     if (Status status = add_text(writer, tileset::kTilesetPath, tileset::write_tileset_json(contents.manifest));
         !status)
         return status;
-    for (const tileset::Subtree& subtree : make_subtrees(contents.tiles, contents.manifest.subtree_levels)) {
-        if (Status status =
-                writer.add(tileset::subtree_path(subtree.root), tileset::write_subtree(subtree, contents.manifest));
-            !status)
-            return status;
+    for (const SubtreeFile& subtree : subtrees) {
+        if (Status status = writer.add(subtree.name, subtree.bytes); !status) return status;
     }
     if (Status status = writer.add(tileset::kFacadeIndexPath, index); !status) return status;
     return contents.facades.write_entry(writer, contents.facade_spool);

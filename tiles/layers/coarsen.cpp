@@ -20,33 +20,12 @@ constexpr double kErrorGrowth = 1.6;  // a try that does not fit is repeated wit
 constexpr int kMostTries = 24;
 constexpr uint64_t kGroundShare = 3;  // the ground may take a third of the triangles
 constexpr size_t kDetailed = 60;      // objects with more triangles than this are decimated when no block will do
-constexpr double kFacadeTexels = 6;   // a facade narrower than this many texels is one colour
+constexpr double kFacadeErrors = 3;   // a facade no larger than this many times the error is one colour
 
 uint64_t triangle_count(const std::vector<BuildObject>& objects) {
     uint64_t count = 0;
     for (const BuildObject& object : objects) count += object.triangles.size() + 2 * object.facades.size();
     return count;
-}
-
-/// Two triangles for each panel of a facade in its place.
-void add_flat_wall(BuildObject& object, const BuildFacade& facade, const FacadePanels& flat, const Paint& paint) {
-    const uint32_t paint_index = object.paint_index(paint);
-    constexpr std::array<std::array<uint32_t, 3>, 2> kTriangles = {{{0, 1, 2}, {0, 2, 3}}};
-    for (const FacadePanel& panel : flat.panels) {
-        const auto base = static_cast<uint32_t>(object.vertices.size());
-        const FlatQuad quad = flat_quad(facade, panel);
-        for (const GridPoint& corner : quad.corners) object.vertices.push_back(corner);
-        for (const auto& corners : kTriangles) {
-            BuildTriangle triangle;
-            triangle.paint = paint_index;
-            triangle.surface = city::SurfaceKind::kWall;
-            for (size_t k = 0; k < 3; ++k) {
-                triangle.vertex[k] = base + corners[k];
-                triangle.texcoord[k] = quad.texcoords[corners[k]];
-            }
-            object.triangles.push_back(triangle);
-        }
-    }
 }
 
 class Coarsener {
@@ -96,24 +75,24 @@ class Coarsener {
         object.error += static_cast<float>(lost);
     }
 
-    bool few_texels(uint32_t map) const {
+    bool is_one_colour(uint32_t map) const {
         const FacadeFacts& facts = workshop_.facades.facts(map);
-        return std::max(facts.width_metres, facts.height_metres) <= kFacadeTexels * spec_.texel_metres;
+        return std::max(facts.width_metres, facts.height_metres) <= kFacadeErrors * error_;
     }
 
-    /// Whether a wall of the object shows more than a few texels of a facade: windows, which a block would lose.
+    /// Whether a wall of the object shows windows, which a block would lose.
     bool shows_pictures(const BuildObject& object) const {
         return std::any_of(object.facades.begin(), object.facades.end(),
-                           [&](const BuildFacade& facade) { return !few_texels(facade.map); }) ||
+                           [&](const BuildFacade& facade) { return !is_one_colour(facade.map); }) ||
                std::any_of(object.paints.begin(), object.paints.end(), [&](const Paint& paint) {
-                   return paint.kind == PaintKind::kFacade && !few_texels(paint.a);
+                   return paint.kind == PaintKind::kFacade && !is_one_colour(paint.a);
                });
     }
 
-    /// Flat facades that only a few texels would show take their mean colour.
+    /// Flat facades of which only a few pixels would be seen take their mean colour.
     void blur_small_facades(BuildObject& object) const {
         for (Paint& paint : object.paints) {
-            if (paint.kind == PaintKind::kFacade && few_texels(paint.a))
+            if (paint.kind == PaintKind::kFacade && is_one_colour(paint.a))
                 paint = Paint::flat(workshop_.facades.mean_colour(paint.a, paint.b));
         }
     }
@@ -142,6 +121,7 @@ CoarseContent coarsen(TileContent children, const CoarsenSpec& spec, const TileW
         error *= kErrorGrowth;
         result = Coarsener(spec, workshop, error).run(std::move(result));
     }
+    coarse.allowed_error = error;
     for (const BuildObject& object : ground) coarse.error = std::max(coarse.error, object.error);
     for (const BuildObject& object : result) coarse.error = std::max(coarse.error, object.error);
     coarse.content.objects = std::move(ground);

@@ -190,7 +190,8 @@ class Dresser::Impl {
 
   private:
     void dress_walls(CityObject& object, std::vector<WallRegion>& walls) {
-        const BuildingStyle style = style_of(shape_of(object, grid_, walls), draws_of(seed_, object.id, grid_));
+        const BuildingStyle style =
+            style_of(shape_of(object, grid_, walls), draws_of(seed_, object.id, grid_), object.facts);
         const auto roles = wall_roles(walls, style);
         const auto turns = wall_turns(walls);
         find_hidden_parts(walls);

@@ -167,9 +167,8 @@ bool WallCutter::triangulate(const WallRegion& wall, const std::vector<Loop>& lo
     double greatest = 0;
     for (const Loop& loop : loops) {
         const LoopSize size = size_of(wall, loop);
-        if (loop.size() == 3 && loops.size() == 1) {
-            fan(loop, triangles);
-        } else if (std::abs(size.area) < kThin * size.around) {
+        const bool alone = loop.size() == 3 && loops.size() == 1;
+        if (alone || std::abs(size.area) < kThin * size.around) {
             fan(loop, triangles);
         } else {
             wide.push_back(&loop);

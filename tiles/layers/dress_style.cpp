@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tiles/city/generator_random.h"
+#include "tiles/layers/dress_plan.h"
 
 namespace citystream::tiles::layers {
 namespace {
@@ -14,6 +15,9 @@ using city::procedural::Random;
 
 constexpr uint64_t kDressSalt = 0x6472657373ULL;  // keeps the draws apart from the generator's
 constexpr int kFirstShopVariant = 3;              // of apartments: three eras without, three with
+// Metres: from where offices are towers, to where houses, halls and garages are found.
+constexpr double kHighRise = 20, kMostHouse = 13, kMostGarage = 3.6;
+constexpr double kClearlyBetter = 0.04;                                  // a storey's height by 4 %
 constexpr double kLeastMain = 2.6, kLeastFront = 3.0, kLeastRear = 4.0;  // metres: room for a door and a window
 
 /// The widest wall, of those across `direction` when it is given; ties by place, so that triangle order does not
@@ -45,7 +49,7 @@ double roof_area(const city::CityObject& object, const GridObject& grid) {
     return area * kMetresPerGridUnit * kMetresPerGridUnit;
 }
 
-FacadeUse use_of(const BuildingShape& shape, Random& random) {
+FacadeUse use_by_shape(const BuildingShape& shape, Random& random) {
     const double h = shape.height, area = shape.footprint, narrow = std::min(shape.length, shape.depth);
     if (h <= 3.6 && area <= 45) return FacadeUse::kGarage;
     if (h >= 60) return FacadeUse::kTower;
@@ -58,6 +62,53 @@ FacadeUse use_of(const BuildingShape& shape, Random& random) {
     if (h <= 8 && area <= 260) return random.chance(70) ? FacadeUse::kHouse : FacadeUse::kApartment;
     if (h >= 23 && random.chance(40)) return FacadeUse::kTower;
     return FacadeUse::kApartment;
+}
+
+/// The grammar's facades that suit a use at this height; what is low has no tower's, what is high no house's.
+FacadeUse use_of(const BuildingShape& shape, const city::BuildingFacts& facts, Random& random) {
+    const FacadeUse guess = use_by_shape(shape, random);
+    const bool high = shape.height >= kHighRise, low = shape.height <= kMostHouse;
+    switch (facts.use) {
+        case city::BuildingUse::kUnknown:
+            break;
+        case city::BuildingUse::kHouse:
+            return !low ? FacadeUse::kApartment : guess == FacadeUse::kRowHouse ? guess : FacadeUse::kHouse;
+        case city::BuildingUse::kResidential:
+            if (guess == FacadeUse::kHouse || guess == FacadeUse::kRowHouse) return guess;
+            return FacadeUse::kApartment;
+        case city::BuildingUse::kApartments:
+        case city::BuildingUse::kShop:
+            return FacadeUse::kApartment;
+        case city::BuildingUse::kOffice:
+            return high ? FacadeUse::kTower : FacadeUse::kApartment;
+        case city::BuildingUse::kHall:
+            return low ? FacadeUse::kHall : high ? FacadeUse::kTower : FacadeUse::kApartment;
+        case city::BuildingUse::kGarage:
+            return shape.height <= kMostGarage ? FacadeUse::kGarage : low ? FacadeUse::kHall : FacadeUse::kApartment;
+    }
+    const bool one_storey = guess == FacadeUse::kHall || guess == FacadeUse::kGarage;
+    return one_storey && facts.storeys >= 2 ? FacadeUse::kApartment : guess;
+}
+
+/// How far a variant's storeys are from the building's, as a factor's logarithm.
+double storey_misfit(FacadeUse use, int variant, double height, int storeys) {
+    const DressStoreys own = dress_storeys(use, variant);
+    return std::abs(std::log(100 * height / (own.ground + (storeys - 1) * own.floor + own.top)));
+}
+
+/// The drawn variant, unless the storeys of another fit clearly better.
+uint8_t variant_of(const BuildingStyle& style, const BuildingShape& shape, int storeys) {
+    const int variants = kDressVariants[static_cast<size_t>(style.use)];
+    int best = style.variant;
+    double least = storey_misfit(style.use, best, shape.height, storeys) - kClearlyBetter;
+    for (int i = 1; i < variants; ++i) {
+        const int variant = (style.variant + i) % variants;
+        const double misfit = storey_misfit(style.use, variant, shape.height, storeys);
+        if (misfit >= least) continue;
+        least = misfit;
+        best = variant;
+    }
+    return static_cast<uint8_t>(best);
 }
 
 }  // namespace
@@ -88,14 +139,17 @@ BuildingShape shape_of(const city::CityObject& object, const GridObject& grid, s
     return shape;
 }
 
-BuildingStyle style_of(const BuildingShape& shape, const StyleDraws& draws) {
+BuildingStyle style_of(const BuildingShape& shape, const StyleDraws& draws, const city::BuildingFacts& facts) {
     Random random(draws.building);
     BuildingStyle style;
-    style.use = use_of(shape, random);
+    style.use = use_of(shape, facts, random);
     style.variant = static_cast<uint8_t>(random.below(kDressVariants[static_cast<size_t>(style.use)]));
     if (style.use == FacadeUse::kHall)  // variants 0 to 3 are 6 to 9 m high
         style.variant = static_cast<uint8_t>(std::clamp(std::lround(shape.height - 6), 0L, 3L));
-    style.shop = style.use == FacadeUse::kApartment && style.variant >= kFirstShopVariant;
+    else if (facts.storeys > 0 && style.use != FacadeUse::kGarage)
+        style.variant = variant_of(style, shape, facts.storeys);
+    style.shop = style.use == FacadeUse::kApartment &&
+                 (style.variant >= kFirstShopVariant || facts.use == city::BuildingUse::kShop);
     style.short_side_front = style.use == FacadeUse::kRowHouse || (style.use == FacadeUse::kHouse && random.chance(35));
     style.palette_draw = city::procedural::hash(draws.district, static_cast<int64_t>(style.use), style.variant);
     return style;
@@ -130,9 +184,7 @@ std::vector<FacadeRole> wall_roles(std::span<const WallRegion> walls, const Buil
     for (size_t w = 0; w < walls.size(); ++w) {
         const city::Vec2 u = walls[w].direction();
         const double facing = u.x * front.x + u.y * front.y, width = walls[w].width();
-        if (w == main && width >= kLeastMain)
-            roles[w] = FacadeRole::kFront;
-        else if (!one_door && facing > 0.7 && width >= kLeastFront + 1)
+        if ((w == main && width >= kLeastMain) || (!one_door && facing > 0.7 && width >= kLeastFront + 1))
             roles[w] = FacadeRole::kFront;
         else if (facing < -0.7 && width >= kLeastRear && !one_door)
             roles[w] = FacadeRole::kRear;

@@ -42,8 +42,10 @@ struct StyleDraws {
 };
 StyleDraws draws_of(uint64_t seed, std::string_view id, const GridObject& grid);
 
-/// By height, footprint and elongation, and by the building's draw where several uses are likely.
-BuildingStyle style_of(const BuildingShape& shape, const StyleDraws& draws);
+/// By what the input says of its use, else by height, footprint and elongation, and by the building's draw where
+/// several uses are likely. Where the input says how many storeys there are, they decide between variants whose storeys
+/// are of other heights, and a building of several is no hall or garage.
+BuildingStyle style_of(const BuildingShape& shape, const StyleDraws& draws, const city::BuildingFacts& facts = {});
 
 /// Role of each wall: the widest wall (or, with short_side_front, the widest across it) is a front, walls that look
 /// nearly the same way and are wide, too (but only one of a house); walls that look the other way are rears; others,

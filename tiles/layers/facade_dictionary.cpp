@@ -45,14 +45,14 @@ std::vector<CodedLevel> worthwhile_levels(const std::vector<FacadeLevel>& levels
     return kept;
 }
 
-CodedMap code_map(const codec::facade::RunGrid& grid) {
+CodedMap code_map(const codec::facade::RunGrid& grid, double texel_metres) {
     CodedMap map;
     map.record.width = static_cast<uint16_t>(grid.width());
     map.record.height = static_cast<uint16_t>(grid.height());
     const codec::facade::DepthRange depths = grid.depths();
     map.record.depth_min_mm = static_cast<int16_t>(depths.min_mm);
     map.record.depth_max_mm = static_cast<int16_t>(depths.max_mm);
-    const std::vector<FacadeLevel> levels = codec::facade::make_levels(grid);
+    const std::vector<FacadeLevel> levels = codec::facade::make_levels(grid, texel_metres);
     std::vector<CodedLevel> coded = worthwhile_levels(levels);
     std::reverse(coded.begin(), coded.end());
     for (const CodedLevel& level : coded) {
@@ -82,7 +82,8 @@ class Encoding {
         std::atomic<size_t> next = 0;
         const auto work = [&] {
             for (size_t i = next++; i < count && !stopped(); i = next++) {
-                const CodedMap map = code_map(catalog_.map(numbers_.maps[i]));
+                const uint32_t stored = numbers_.maps[i];
+                const CodedMap map = code_map(catalog_.map(stored), catalog_.texel_metres(stored));
                 records[i] = map.record;
                 const auto range = spool_.append(map.bytes);
                 if (range) offsets[i] = range->offset;

@@ -2,105 +2,48 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <vector>
+#include <limits>
 
 #include "codec/facade/run_grid.h"
+#include "tiles/layers/facade_picture.h"
 
 namespace citystream::tiles::layers {
 namespace {
 
 using codec::facade::RunGrid;
 
-constexpr double kMapTexelMetres = 0.01;
-constexpr double kMeanTexelMetres = 0.5;
 constexpr uint32_t kGreatestPicture = 2048;
-constexpr uint32_t kSamples = 2;  // a texel and axis
+constexpr size_t kEntryBytes = 192;  // of a kept picture beside its texels: nodes, list, image
 
-/// What a material slot shows at a point of the wall.
-struct SlotSampler {
-    std::array<float, 3> flat{};
-    std::shared_ptr<const ChartImage> image;
-    double metres_per_repeat = 1;
-
-    std::array<float, 3> at(double x, double y) const {
-        if (!image) return flat;
-        const auto wrap = [&](double metres, uint32_t size) {
-            const double repeats = metres / metres_per_repeat;
-            const auto texel = static_cast<int64_t>(std::floor((repeats - std::floor(repeats)) * size));
-            return static_cast<size_t>(std::clamp<int64_t>(texel, 0, int64_t{size} - 1));
-        };
-        const uint8_t* rgb = image->rgb.data() + 3 * (wrap(y, image->height) * image->width + wrap(x, image->width));
-        return {srgb_to_linear(rgb[0]), srgb_to_linear(rgb[1]), srgb_to_linear(rgb[2])};
-    }
-};
-
-SlotSampler make_sampler(const city::CityCatalog& catalog, ImageCache& images, uint32_t material,
-                         double sample_metres) {
-    SlotSampler sampler;
+SlotColour slot_colour(const city::CityCatalog& catalog, ImageCache& images, uint32_t material, double texel) {
+    SlotColour slot;
     const city::Material& m = catalog.materials[material];
     const auto mean = images.mean_colour(material);
-    for (size_t c = 0; c < 3; ++c) sampler.flat[c] = srgb_to_linear(mean[c]);
-    if (m.image < 0) return sampler;
-    sampler.metres_per_repeat = m.metres_per_repeat > 0 ? static_cast<double>(m.metres_per_repeat) : 1.0;
+    for (size_t c = 0; c < 3; ++c) slot.flat[c] = srgb_to_linear(mean[c]);
+    if (m.image < 0) return slot;
+    slot.metres_per_repeat = m.metres_per_repeat > 0 ? static_cast<double>(m.metres_per_repeat) : 1.0;
+    if (texel >= slot.metres_per_repeat) return slot;
     const auto whole = images.mip(static_cast<uint32_t>(m.image), 0);
-    if (!whole) return sampler;
+    if (!whole) return slot;
     const uint32_t texels = std::max(whole->width, whole->height);
     uint32_t level = 0;
-    while ((texels >> level) > 1 && sampler.metres_per_repeat / (texels >> level) < sample_metres) ++level;
-    sampler.image = images.mip(static_cast<uint32_t>(m.image), level);
-    return sampler;
+    while ((texels >> level) > 1 && slot.metres_per_repeat / (texels >> level) < texel) ++level;
+    slot.image = images.mip(static_cast<uint32_t>(m.image), level);
+    return slot;
 }
 
-/// For each sample along an axis the cell it falls in; `breaks` in map texels.
-std::vector<uint32_t> cells_of_samples(uint32_t samples, const std::vector<uint32_t>& breaks) {
-    std::vector<uint32_t> out(samples);
-    uint32_t cell = 0;
-    for (uint32_t i = 0; i < samples; ++i) {
-        const double at = (i + 0.5) * breaks.back() / samples;
-        while (cell + 2 < breaks.size() && at >= breaks[cell + 1]) ++cell;
-        out[i] = cell;
-    }
-    return out;
-}
-
-uint32_t slot_of(uint32_t label) {
-    return codec::facade::material_of(label) % FACADE_PALETTE_SLOTS;
-}
-
-FacadeFacts facts_of(const RunGrid& map) {
+FacadeFacts facts_of(const RunGrid& map, double texel_metres) {
     FacadeFacts facts;
-    facts.width_metres = map.width() * kMapTexelMetres;
-    facts.height_metres = map.height() * kMapTexelMetres;
+    facts.width_metres = map.width() * texel_metres;
+    facts.height_metres = map.height() * texel_metres;
     const codec::facade::DepthRange depths = map.depths();
     facts.depth_min_mm = static_cast<int16_t>(depths.min_mm);
     facts.depth_max_mm = static_cast<int16_t>(depths.max_mm);
     facts.depth_metres = std::max(std::abs(depths.min_mm), std::abs(depths.max_mm)) * 0.001;
-    facts.flat = flat_panels(map);
+    facts.flat = flat_panels(map, texel_metres);
     for (const uint32_t label : map.labels) facts.slots |= 1U << slot_of(label);
     return facts;
 }
-
-/// The samples of one texel, averaged: open cells only where there is nothing else.
-class TexelMean {
-  public:
-    void add(const std::array<float, 3>& rgb, bool open) {
-        Sum& sum = open ? open_ : closed_;
-        for (size_t c = 0; c < 3; ++c) sum.rgb[c] += rgb[c];
-        ++sum.count;
-    }
-    void write(uint8_t* rgb) const {
-        const Sum& sum = closed_.count > 0 ? closed_ : open_;
-        for (size_t c = 0; c < 3; ++c) rgb[c] = linear_to_srgb(sum.rgb[c] / static_cast<float>(sum.count));
-    }
-
-  private:
-    struct Sum {
-        std::array<float, 3> rgb{};
-        int count = 0;
-    };
-    Sum closed_, open_;
-};
 
 uint32_t texels_for(double metres, double texel) {
     return static_cast<uint32_t>(
@@ -119,41 +62,53 @@ const FacadeFacts& FacadePainter::facts(uint32_t map) {
         const auto found = facts_.find(map);
         if (found != facts_.end()) return found->second;
     }
-    const FacadeFacts facts = facts_of(catalog_.facade_maps.map(map));
+    const FacadeFacts facts = facts_of(catalog_.facade_maps.map(map), catalog_.facade_maps.texel_metres(map));
     const std::lock_guard lock(mutex_);
     return facts_.emplace(map, facts).first->second;
 }
 
-ChartImage FacadePainter::picture(uint32_t map, uint32_t palette, double texel) {
-    const FacadeFacts& known = facts(map);
-    const RunGrid grid = catalog_.facade_maps.map(map);
-    ChartImage out;
-    out.width = texels_for(known.width_metres, texel);
-    out.height = texels_for(known.height_metres, texel);
-    out.metres_per_texel =
-        static_cast<float>(std::max(known.width_metres / out.width, known.height_metres / out.height));
-    out.rgb.resize(size_t{3} * out.width * out.height);
-    std::array<SlotSampler, FACADE_PALETTE_SLOTS> slots;
+std::shared_ptr<const ChartImage> FacadePainter::picture(uint32_t map, uint32_t palette, double texel) {
+    const Key key{map, palette, texel};
+    if (auto kept = find(key)) return kept;
+    auto painted = std::make_shared<const ChartImage>(paint(key));
+    keep(key, painted);
+    return painted;
+}
+
+std::shared_ptr<const ChartImage> FacadePainter::find(const Key& key) {
+    const std::lock_guard lock(mutex_);
+    const auto found = pictures_.find(key);
+    if (found == pictures_.end()) return nullptr;
+    uses_.splice(uses_.begin(), uses_, found->second.use);
+    return found->second.picture;
+}
+
+void FacadePainter::keep(const Key& key, const std::shared_ptr<const ChartImage>& picture) {
+    const std::lock_guard lock(mutex_);
+    if (pictures_.count(key) != 0) return;
+    uses_.push_front(key);
+    pictures_[key] = {picture, uses_.begin()};
+    used_ += picture->rgb.size() + kEntryBytes;
+    while (used_ > budget_ && uses_.size() > 1) {
+        const auto oldest = pictures_.find(uses_.back());
+        used_ -= oldest->second.picture->rgb.size() + kEntryBytes;
+        pictures_.erase(oldest);
+        uses_.pop_back();
+    }
+}
+
+ChartImage FacadePainter::paint(const Key& key) {
+    const FacadeFacts& known = facts(key.map);
+    const uint32_t width = texels_for(known.width_metres, key.texel),
+                   height = texels_for(known.height_metres, key.texel);
+    SlotColours slots;
     for (uint32_t slot = 0; slot < slots.size(); ++slot) {
         if ((known.slots >> slot) & 1U)
-            slots[slot] = make_sampler(catalog_, images_, catalog_.palettes[palette].material[slot], texel / kSamples);
+            slots[slot] = slot_colour(catalog_, images_, catalog_.palettes[key.palette].material[slot], key.texel);
     }
-    const auto columns = cells_of_samples(out.width * kSamples, grid.x_breaks);
-    const auto rows = cells_of_samples(out.height * kSamples, grid.y_breaks);
-    const double step_x = known.width_metres / (out.width * kSamples),
-                 step_y = known.height_metres / (out.height * kSamples);
-    for (uint32_t y = 0; y < out.height; ++y) {
-        for (uint32_t x = 0; x < out.width; ++x) {
-            TexelMean mean;
-            for (uint32_t s = 0; s < kSamples * kSamples; ++s) {
-                const uint32_t sx = x * kSamples + s % kSamples, sy = y * kSamples + s / kSamples;
-                const uint32_t label = grid.label(columns[sx], rows[sy]);
-                mean.add(slots[slot_of(label)].at((sx + 0.5) * step_x, (sy + 0.5) * step_y),
-                         codec::facade::displacement_of(label) == codec::facade::kOpenDisplacement);
-            }
-            mean.write(&out.rgb[3 * (size_t{y} * out.width + x)]);
-        }
-    }
+    ChartImage out = paint_facade(catalog_.facade_maps.map(key.map), catalog_.facade_maps.texel_metres(key.map), slots,
+                                  width, height);
+    out.metres_per_texel = static_cast<float>(std::max(known.width_metres / width, known.height_metres / height));
     return out;
 }
 
@@ -164,7 +119,8 @@ std::array<uint8_t, 3> FacadePainter::mean_colour(uint32_t map, uint32_t palette
         const auto found = means_.find(key);
         if (found != means_.end()) return found->second;
     }
-    const auto mean = mean_of(picture(map, palette, kMeanTexelMetres));
+    const ChartImage one = paint({map, palette, std::numeric_limits<double>::infinity()});
+    const std::array<uint8_t, 3> mean = {one.rgb[0], one.rgb[1], one.rgb[2]};
     const std::lock_guard lock(mutex_);
     return means_[key] = mean;
 }

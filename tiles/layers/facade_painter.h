@@ -1,9 +1,12 @@
-// Facades seen flat: a facade map and its palette drawn to a picture, and their mean colour. Thread-safe.
+// Facades seen flat: what stands in for a facade map, and its pictures in the colours of a palette, painted once and
+// kept while a byte budget allows. Thread-safe; what it returns does not depend on what is kept.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <list>
 #include <map>
+#include <memory>
 #include <mutex>
 
 #include "tiles/layers/flat_facade.h"
@@ -27,20 +30,38 @@ struct FacadeFacts {
 
 class FacadePainter {
   public:
-    FacadePainter(const city::CityCatalog& catalog, ImageCache& images) : catalog_(catalog), images_(images) {}
+    static constexpr size_t kBudgetBytes = size_t{64} << 20;
+
+    FacadePainter(const city::CityCatalog& catalog, ImageCache& images, size_t budget_bytes = kBudgetBytes)
+        : catalog_(catalog), images_(images), budget_(budget_bytes) {}
 
     const FacadeFacts& facts(uint32_t map);
-    /// The picture at about `texel` metres a texel (four samples a texel, averaged in linear light; open cells count
-    /// only where a texel holds nothing else, and show their slot), clamped, metres_per_texel set.
-    ChartImage picture(uint32_t map, uint32_t palette, double texel);
+    /// The picture at about `texel` metres a texel (paint_facade), with metres_per_texel set.
+    std::shared_ptr<const ChartImage> picture(uint32_t map, uint32_t palette, double texel);
     std::array<uint8_t, 3> mean_colour(uint32_t map, uint32_t palette);
 
   private:
+    struct Key {
+        uint32_t map = 0, palette = 0;
+        double texel = 0;
+        friend auto operator<=>(const Key&, const Key&) = default;
+    };
+    struct Entry {
+        std::shared_ptr<const ChartImage> picture;
+        std::list<Key>::iterator use;
+    };
+    std::shared_ptr<const ChartImage> find(const Key& key);
+    void keep(const Key& key, const std::shared_ptr<const ChartImage>& picture);
+    ChartImage paint(const Key& key);
+
     const city::CityCatalog& catalog_;
     ImageCache& images_;
-    std::mutex mutex_;
+    size_t budget_, used_ = 0;
+    std::mutex mutex_;  // guards everything below, and used_
     std::map<uint32_t, FacadeFacts> facts_;
     std::map<uint64_t, std::array<uint8_t, 3>> means_;
+    std::map<Key, Entry> pictures_;
+    std::list<Key> uses_;  // most recent first
 };
 
 }  // namespace citystream::tiles::layers

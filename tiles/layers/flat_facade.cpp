@@ -11,7 +11,7 @@ using codec::facade::RunGrid;
 
 constexpr uint32_t kWhole = 65536;
 constexpr size_t kMostPanels = 8;
-constexpr uint32_t kFinestTexelCm = 8, kCoarsestTexelCm = 128;
+constexpr double kFinestTexel = 0.08, kCoarsestTexel = 1.28;  // metres
 constexpr uint32_t kClosed = codec::facade::make_label(0, 0);
 
 /// Closed and open cells, and no other difference.
@@ -63,12 +63,13 @@ int64_t part_of(int64_t length, uint32_t share) {
 
 }  // namespace
 
-FacadePanels flat_panels(const RunGrid& map) {
+FacadePanels flat_panels(const RunGrid& map, double texel_metres) {
     if (!map.has_open_cells()) return {{{{0, 0}, {kWhole, kWhole}}}, 0};
     const RunGrid outline = silhouette(map);
     FacadePanels flat;
-    for (uint32_t texel = kFinestTexelCm; texel <= kCoarsestTexelCm; texel *= 2) {
-        flat = {closed_rectangles(codec::facade::coarsen(outline, texel)), texel * 0.01};
+    for (double metres = kFinestTexel; metres <= kCoarsestTexel; metres *= 2) {
+        const uint32_t texels = codec::facade::texels_of(metres, texel_metres);
+        flat = {closed_rectangles(codec::facade::coarsen(outline, texels)), texels * texel_metres};
         if (flat.panels.size() <= kMostPanels) break;
     }
     return flat;
@@ -84,6 +85,27 @@ FlatQuad flat_quad(const quadtree::BuildFacade& facade, const FacadePanel& panel
         quad.texcoords[k] = {x, y};
     }
     return quad;
+}
+
+void add_flat_wall(quadtree::BuildObject& object, const quadtree::BuildFacade& facade, const FacadePanels& flat,
+                   const quadtree::Paint& paint) {
+    const uint32_t paint_index = object.paint_index(paint);
+    constexpr std::array<std::array<uint32_t, 3>, 2> kTriangles = {{{0, 1, 2}, {0, 2, 3}}};
+    for (const FacadePanel& panel : flat.panels) {
+        const auto base = static_cast<uint32_t>(object.vertices.size());
+        const FlatQuad quad = flat_quad(facade, panel);
+        for (const GridPoint& corner : quad.corners) object.vertices.push_back(corner);
+        for (const auto& corners : kTriangles) {
+            quadtree::BuildTriangle triangle;
+            triangle.paint = paint_index;
+            triangle.surface = city::SurfaceKind::kWall;
+            for (size_t k = 0; k < 3; ++k) {
+                triangle.vertex[k] = base + corners[k];
+                triangle.texcoord[k] = quad.texcoords[corners[k]];
+            }
+            object.triangles.push_back(triangle);
+        }
+    }
 }
 
 }  // namespace citystream::tiles::layers

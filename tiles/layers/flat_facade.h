@@ -23,8 +23,8 @@ struct FacadePanels {
 };
 
 /// One panel for a map without open cells; else few that together cover its surface, on texels of 8 cm or as coarse as
-/// it takes. None where hardly any surface is left.
-FacadePanels flat_panels(const codec::facade::RunGrid& map);
+/// it takes. None where hardly any surface is left. `texel_metres`: of the map.
+FacadePanels flat_panels(const codec::facade::RunGrid& map, double texel_metres);
 
 /// A panel on a wall: corners counter-clockwise from outside, from the lower left one; texture coordinates in 2^-16 of
 /// the facade's picture. Panels that share a corner of the map share its point.
@@ -33,5 +33,9 @@ struct FlatQuad {
     std::array<std::array<int64_t, 2>, 4> texcoords;
 };
 FlatQuad flat_quad(const quadtree::BuildFacade& facade, const FacadePanel& panel);
+
+/// Two triangles for each panel of a facade, in its place, to the triangles of an object.
+void add_flat_wall(quadtree::BuildObject& object, const quadtree::BuildFacade& facade, const FacadePanels& flat,
+                   const quadtree::Paint& paint);
 
 }  // namespace citystream::tiles::layers

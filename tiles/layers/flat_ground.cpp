@@ -40,7 +40,7 @@ city::CityObject flat_ground_of_city(const GridBox& city, city::CityCatalog& cat
         ground.vertices.push_back({to_metres(p.x), to_metres(p.y), to_metres(p.z)});
     city::Material material;
     material.rgb = kColour;
-    catalog.materials.push_back(std::move(material));
+    catalog.materials.push_back(material);
     ground.triangles.resize(kTriangles.size());
     for (size_t i = 0; i < kTriangles.size(); ++i) {
         ground.triangles[i].vertex = kTriangles[i];

@@ -52,6 +52,15 @@ uint8_t linear_to_srgb(float value) {
     return static_cast<uint8_t>(std::lround(s * 255.0F));
 }
 
+std::array<uint8_t, 3> rounded_colour(const std::array<uint8_t, 3>& rgb) {
+    std::array<uint8_t, 3> out{};
+    for (size_t c = 0; c < 3; ++c) {
+        const int five = rgb[c] * 31 / 255;
+        out[c] = static_cast<uint8_t>(five << 3 | five >> 2);
+    }
+    return out;
+}
+
 std::array<uint8_t, 3> mean_of(const ChartImage& image) {
     std::array<double, 3> sum{};
     const size_t texels = size_t{image.width} * image.height;

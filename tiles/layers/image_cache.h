@@ -59,6 +59,9 @@ class ImageCache {
 float srgb_to_linear(uint8_t value);
 uint8_t linear_to_srgb(float value);
 
+/// Rounded to 5 bits a channel, about what BC1 keeps: colours that look alike become equal, and share a chart.
+std::array<uint8_t, 3> rounded_colour(const std::array<uint8_t, 3>& rgb);
+
 /// Mean colour of an image, averaged in linear light.
 std::array<uint8_t, 3> mean_of(const ChartImage& image);
 

@@ -6,9 +6,9 @@
 #include <span>
 
 #include "codec/atlas/atlas_layer.h"
-#include "codec/bits/zstd_frame.h"
 #include "codec/facade/facade_layer.h"
 #include "codec/mesh/mesh_layer.h"
+#include "codec/step_wire.h"
 #include "tiles/archive/archive.h"
 #include "tiles/layers/inspect_facades.h"
 #include "tiles/tileset/subtree.h"
@@ -51,21 +51,19 @@ class Verifier {
   private:
     void say(const std::string& where, const std::string& what) { damages_.push_back(where + ": " + what); }
 
-    static std::vector<uint32_t> words_of(std::span<const std::byte> raw) {
-        std::vector<uint32_t> words(raw.size() / 4);
-        std::memcpy(words.data(), raw.data(), words.size() * 4);
-        return words;
-    }
-
     void check_subtrees() {
         std::deque<TileAddress> open = {TileAddress{}};
         for (; !open.empty(); open.pop_front()) {
             const std::string path = tileset::subtree_path(open.front());
-            const auto subtree = tileset::parse_subtree(reader_->find(path), open.front(), manifest_);
+            const auto bytes = reader_->find(path);
+            const auto subtree = tileset::parse_subtree(bytes, open.front(), manifest_);
             if (!subtree) {
                 say(path, subtree.error().text());
                 continue;
             }
+            const uint64_t greatest = manifest_.greatest_subtree_bytes;
+            if (greatest > 0 && bytes.size() > greatest)
+                say(path, fmt::format("has {} bytes, tileset.json allows {}", bytes.size(), greatest));
             for (const TileRecord& tile : subtree->tiles) check_tile(tile);
             open.insert(open.end(), subtree->child_subtrees.begin(), subtree->child_subtrees.end());
         }
@@ -107,11 +105,10 @@ class Verifier {
             const auto frame = bytes.subspan(begin, step.end - begin);
             if (tileset::checksum_of(frame.data(), frame.size()) != step.checksum)
                 return fail(path, fmt::format("step {}: checksum differs", i));
-            const auto raw = codec::bits::decompress_frame(frame, step.decoded_bytes);
-            if (!raw) return fail(path, fmt::format("step {}: {}", i, raw.error().text()));
-            const auto words = words_of(*raw);
-            out.words.insert(out.words.end(), words.begin(), words.end());
-            out.step_words.push_back(static_cast<uint32_t>(words.size()));
+            const auto words = codec::decode_step(frame, step.decoded_bytes);
+            if (!words) return fail(path, fmt::format("step {}: {}", i, words.error().text()));
+            out.words.insert(out.words.end(), words->begin(), words->end());
+            out.step_words.push_back(static_cast<uint32_t>(words->size()));
             begin = step.end;
         }
         if (begin != bytes.size()) return fail(path, "bytes follow the last step");

@@ -3,6 +3,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -27,16 +28,16 @@ constexpr int kRepeat = 10497, kClamp = 33071, kLinear = 9729, kMipmapped = 9987
 struct Corner {
     std::array<float, 3> position{}, normal{};
     std::array<float, 2> texcoord{};
-    bool operator==(const Corner& o) const { return std::memcmp(this, &o, sizeof(Corner)) == 0; }
+    /// Bit by bit: corners that compare equal and differ (0 and -0) stay apart.
+    std::array<uint64_t, 4> bits() const { return std::bit_cast<std::array<uint64_t, 4>>(*this); }
+    bool operator==(const Corner& o) const { return bits() == o.bits(); }
 };
 static_assert(sizeof(Corner) == 32);
 
 struct CornerHash {
     size_t operator()(const Corner& corner) const {
-        std::array<uint64_t, 4> words{};
-        std::memcpy(words.data(), &corner, sizeof(Corner));
         uint64_t h = 0;
-        for (uint64_t word : words) h = (h ^ word) * 0x9e3779b97f4a7c15ULL, h ^= h >> 29;
+        for (const uint64_t word : corner.bits()) h = (h ^ word) * 0x9e3779b97f4a7c15ULL, h ^= h >> 29;
         return h;
     }
 };

@@ -16,7 +16,8 @@ constexpr int64_t kEdgeSlack = 64;  // a thousandth of a repeat outside 0..1 sti
 constexpr uint32_t kGreatestChart = 8192;
 constexpr double kCoarsestShare = 1.5;  // a texel is at least the wanted size divided by this
 constexpr double kMarginTexels = 1;
-constexpr double kFacadeBlurTexels = 2;  // a window's contrast is lost sooner than a texture's
+// Metres: every tile with facades carries the pictures of their materials, so finer ones cost much in a large city.
+constexpr double kMaterialTexel = 0.05;
 
 double world_area(const BuildObject& object, const BuildTriangle& triangle) {
     const auto n = quadtree::triangle_normal(object.vertices[triangle.vertex[0]], object.vertices[triangle.vertex[1]],
@@ -49,8 +50,8 @@ void TileCharts::note(uint32_t object, const BuildObject& built) {
         const Paint& paint = built.paints[triangle.paint];
         if (paint.kind == PaintKind::kFlat) flat(paint.rgb());
         if (paint.kind == PaintKind::kFacade) {
-            facade_picture(paint.a, paint.b, texel_);
-            blur_ = std::max(blur_, kFacadeBlurTexels * texel_);
+            facade_picture(paint.a, paint.b, facade_texel_);
+            blur_ = std::max(blur_, facade_texel_);
         }
         if (paint.kind != PaintKind::kMaterial) continue;
         ImagePaint& noted = noted_[paint];
@@ -183,7 +184,7 @@ ChartUse TileCharts::use(uint32_t object, const Paint& paint) const {
 uint32_t TileCharts::facade_picture(uint32_t map, uint32_t palette, double texel) {
     const auto found = facade_pictures_.find({map, palette});
     if (found != facade_pictures_.end()) return found->second;
-    return facade_pictures_[{map, palette}] = add(facades_.picture(map, palette, texel));
+    return facade_pictures_[{map, palette}] = add(*facades_.picture(map, palette, texel));
 }
 
 uint32_t TileCharts::facade_material(uint32_t material) {
@@ -194,7 +195,7 @@ uint32_t TileCharts::facade_material(uint32_t material) {
     if (!whole) return facade_materials_[material] = flat(m.rgb);
     const double repeat = m.metres_per_repeat > 0 ? static_cast<double>(m.metres_per_repeat) : 1.0;
     const double texel = repeat / std::max(whole->width, whole->height);
-    const uint32_t level = halvings(*whole, texel, texel_);
+    const uint32_t level = halvings(*whole, texel, std::max(texel_, kMaterialTexel));
     ChartImage chart = *images_.mip(static_cast<uint32_t>(m.image), level);
     chart.repeat_u = chart.repeat_v = true;
     chart.metres_per_texel =

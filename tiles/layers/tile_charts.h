@@ -22,9 +22,11 @@ struct ChartUse {
 
 class TileCharts {
   public:
-    /// `texel`: metres a texel of the finest mip; images are never enlarged to reach it.
-    TileCharts(const city::CityCatalog& catalog, ImageCache& images, FacadePainter& facades, double texel)
-        : catalog_(catalog), images_(images), facades_(facades), texel_(texel) {}
+    /// Metres a texel of the finest mip, of images (which are never enlarged to reach it) and of facades that triangles
+    /// show.
+    TileCharts(const city::CityCatalog& catalog, ImageCache& images, FacadePainter& facades, double texel,
+               double facade_texel)
+        : catalog_(catalog), images_(images), facades_(facades), texel_(texel), facade_texel_(facade_texel) {}
 
     /// Notes what object number `object` of the tile shows.
     void note(uint32_t object, const quadtree::BuildObject& built);
@@ -42,8 +44,8 @@ class TileCharts {
     uint32_t flat(const std::array<uint8_t, 3>& rgb);
 
     std::span<const ChartImage> charts() const { return charts_; }
-    /// Metres that what the triangles show is blurred by: a texel of images that were halved and of ground pictures,
-    /// two of facades drawn as pictures. Zero when every image is shown as fine as it is.
+    /// Metres that what the triangles show is blurred by: a texel of images that were halved, of ground pictures and of
+    /// facades drawn as pictures. Zero when every image is shown as fine as it is.
     double blur() const { return blur_; }
 
   private:
@@ -68,7 +70,7 @@ class TileCharts {
     const city::CityCatalog& catalog_;
     ImageCache& images_;
     FacadePainter& facades_;
-    double texel_;
+    double texel_, facade_texel_;
     double blur_ = 0;
     std::vector<ChartImage> charts_;
     std::map<quadtree::Paint, ImagePaint> noted_;

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "codec/atlas/atlas_layer.h"
-#include "codec/bits/zstd_frame.h"
 #include "codec/facade/facade_layer.h"
 #include "codec/mesh/mesh_layer.h"
+#include "codec/step_wire.h"
 #include "tiles/layers/skirts.h"
 #include "tiles/layers/tile_charts.h"
 
@@ -27,18 +27,15 @@ constexpr int kBaseHeightBits = 16;  // coarser than every bit that a mesh step 
 // Pictures that relief is drawn over are placeholders until the tile is so far away that flat facades do; without
 // relief they are all there is of windows.
 constexpr double kFinestFacadeTexel = 0.1, kCoarsestFacadeTexel = 0.8, kCoarsestOnlyTexel = 0.4;
-// Where relief's error is this many times the parent's, the parent is drawn long before facades are flat.
-constexpr double kSurelyRelief = 2;
 
 void append_layer(EncodedTile& tile, Layer layer, const LayerSteps& steps) {
     std::vector<std::byte>& bytes = tile.bytes[static_cast<size_t>(layer)];
     for (const LayerStep& step : steps) {
-        const auto raw = std::as_bytes(std::span(step.words));
-        const std::vector<std::byte> frame = codec::bits::compress_frame(raw, kStepLevel);
+        const std::vector<std::byte> frame = codec::encode_step(step.words, kStepLevel);
         bytes.insert(bytes.end(), frame.begin(), frame.end());
         tileset::StepRecord record;
         record.end = bytes.size();
-        record.decoded_bytes = static_cast<uint32_t>(raw.size());
+        record.decoded_bytes = static_cast<uint32_t>(4 * step.words.size());
         record.error = step.error;
         record.checksum = tileset::checksum_of(frame.data(), frame.size());
         tile.record.steps(layer).push_back(record);
@@ -52,7 +49,7 @@ class TileAssembly {
         : spec_(spec),
           content_(content),
           workshop_(workshop),
-          charts_(workshop.catalog, workshop.images, workshop.facades, spec.texel) {}
+          charts_(workshop.catalog, workshop.images, workshop.facades, spec.texel, spec.facade_texel) {}
 
     EncodedTile run() {
         place();
@@ -143,8 +140,7 @@ class TileAssembly {
         for (const BuildObject& object : content_.objects) {
             for (const BuildFacade& facade : object.facades) {
                 const FacadeFacts& facts = workshop_.facades.facts(facade.map);
-                ChartUse use;
-                use.chart = stand_in_chart(facade, facts);
+                const ChartUse use = stand_in_chart(facade, facts);
                 const auto corners = facade.corners();
                 const auto normal = unit_normal(corners[0], corners[1], corners[2]);
                 for (const FacadePanel& panel : facts.flat.panels) {
@@ -167,12 +163,14 @@ class TileAssembly {
         }
     }
 
-    /// What the flat stand-in of a facade shows: its picture, or its mean colour where it only waits for the relief.
-    /// (In a city whose every wall is dressed, pictures of leaves would take most of the atlas.)
-    uint32_t stand_in_chart(const BuildFacade& facade, const FacadeFacts& facts) {
-        if (wants(Layer::kFacade) && kReliefWeight * relief_ >= kSurelyRelief * spec_.parent_error)
-            return charts_.flat(workshop_.facades.mean_colour(facade.map, facade.palette));
-        return charts_.facade_picture(facade.map, facade.palette, picture_texel(facts));
+    /// What the flat stand-in of a facade shows: its picture, or its mean colour where it only waits for the relief,
+    /// because the tile above is drawn before facades are flat. (In a city whose every wall is dressed, pictures of
+    /// leaves would take most of the atlas.)
+    ChartUse stand_in_chart(const BuildFacade& facade, const FacadeFacts& facts) {
+        if (wants(Layer::kFacade) && kReliefWeight * relief_ >= spec_.parent_error)
+            return {
+                charts_.flat(rounded_colour(workshop_.facades.mean_colour(facade.map, facade.palette))), {}, {0, 0}};
+        return {charts_.facade_picture(facade.map, facade.palette, picture_texel(facts)), {}, {1, 1}};
     }
 
     /// Metres a texel of a facade seen flat. Tiles with relief are drawn flat from where its error, which goes by the

@@ -31,7 +31,8 @@ struct TileSpec {
     GridPoint corner;           ///< absolute minimum corner of its square
     int64_t side = 0;           ///< grid units
     double texel = 0.05;        ///< metres a texel of the finest mip
-    double facade_texel = 0.1;  ///< least metres a texel of facades seen flat
+    double facade_texel = 0.1;  ///< least metres a texel of facades seen flat: finer than an inner tile's error is
+                                ///< never fetched
     float geometric_error = 0;  ///< of the objects
     bool inner = false;         ///< what its pictures are blurred by counts as error: tiles below it are sharper
     double parent_error = std::numeric_limits<double>::infinity();  ///< metres: about what the tile above states

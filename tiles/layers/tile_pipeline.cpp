@@ -12,6 +12,7 @@
 #include "tiles/layers/coarsen.h"
 #include "tiles/layers/flat_ground.h"
 #include "tiles/layers/hidden_faces.h"
+#include "tiles/layers/party_walls.h"
 
 namespace citystream::tiles::layers {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 using quadtree::BuildObject;
 using quadtree::TileNode;
 
-constexpr double kLeafTexel = 0.05;
+constexpr double kLeafTexel = 0.02;
 constexpr double kPixelsAcrossTile = 512;  // an inner tile's error is its side over this
 // The decimated ground keeps its border, so beside a tile of another level a gap is no deeper than their errors, and
 // no wider than the tolerance on the screen. A skirt that hangs deeper shows where a city ends at a tile's border.
@@ -158,12 +159,15 @@ class Pipeline {
         return spec;
     }
 
-    Result<std::vector<BuildObject>> leaf_objects(const TileNode& node) {
+    /// What lies in a leaf. Neighbours are looked at within it: a party wall on a tile's border stays dressed.
+    Result<std::vector<BuildObject>> leaf_objects(size_t at) {
+        const TileNode& node = in_.tree.nodes[at];
         auto objects = in_.objects.load(node.begin, node.end);
         if (!objects) return objects;
         for (BuildObject& object : *objects) {
             for (quadtree::BuildFacade& facade : object.facades) facade.map = in_.workshop.numbers.shown[facade.map];
         }
+        if (in_.options.dress_seed) built_[at].hidden_facades = hide_party_walls(*objects, in_.workshop.facades);
         if (in_.made_up_ground) {
             objects->push_back(flat_ground_of_tile(in_.objects.extent(), in_.tree.corner(node.address),
                                                    in_.tree.side(node.address.level)));
@@ -203,7 +207,7 @@ class Pipeline {
         const TileNode& node = in_.tree.nodes[at];
         TileContent content;
         if (node.leaf) {
-            auto objects = leaf_objects(node);
+            auto objects = leaf_objects(at);
             if (!objects) return objects.error();
             content.objects = std::move(objects).value();
             for (BuildObject& object : content.objects) drop_hidden_faces(object);
@@ -223,10 +227,11 @@ class Pipeline {
         coarse_spec.corner = spec.corner;
         coarse_spec.side = spec.side;
         coarse_spec.error_metres = level_error(side_metres(node));
-        coarse_spec.texel_metres = spec.texel = spec.facade_texel = std::max(kLeafTexel, coarse_spec.error_metres / 2);
+        spec.texel = std::max(kLeafTexel, coarse_spec.error_metres / 2);
         coarse_spec.triangle_limit = kInnerTriangles;
         CoarseContent coarse = coarsen(std::move(children).value(), coarse_spec, in_.workshop);
         if (Status status = store_content(at, coarse.content); !status) return status;
+        spec.facade_texel = std::max(kLeafTexel, coarse.allowed_error);
         spec.geometric_error = coarse.error;
         spec.inner = true;
         for (const BuildObject& object : coarse.content.objects) {

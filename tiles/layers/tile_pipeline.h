@@ -20,6 +20,7 @@ struct BuiltTile {
     std::array<quadtree::SpoolRange, tileset::kLayerCount> layers;  ///< in the layer spool
     quadtree::SpoolRange content;                                   ///< of inner tiles, in the content spool
     uint64_t triangles = 0;
+    uint64_t hidden_facades = 0;  ///< of a leaf: made plain walls because neighbours hide them
 };
 
 struct PipelineInput {

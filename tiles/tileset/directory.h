@@ -87,6 +87,7 @@ struct Manifest {
     Bounds extent;                    ///< of the city, relative to origin in x, y
     double root_geometric_error = 0;  ///< metres: error of drawing nothing
     uint64_t buildings = 0, triangles = 0, facades = 0, tiles = 0;
+    uint64_t greatest_subtree_bytes = 0;  ///< no subtree file is larger; 0: not known (archives written before it was)
     std::array<bool, kLayerCount> has_layer{};
     std::array<uint64_t, kLayerCount> wire_bytes{}, decoded_bytes{};
     uint64_t facade_map_count = 0;

@@ -114,6 +114,9 @@ OrderedJson extension_json(const Manifest& manifest) {
                            {"triangles", exact_integer(manifest.triangles)},
                            {"facades", exact_integer(manifest.facades)},
                            {"tiles", exact_integer(manifest.tiles)}};
+    if (manifest.greatest_subtree_bytes > 0) {
+        extension["greatestSubtreeBytes"] = exact_integer(manifest.greatest_subtree_bytes);
+    }
     extension["layers"] = layers_json(manifest);
     extension["facadeDictionary"] = facade_json(manifest);
     extension["buildOptions"] = manifest.build_options;
@@ -155,6 +158,9 @@ void read_contents(const JsonFields& extension, Manifest& manifest) {
     manifest.triangles = totals.count("triangles", kMaxTotal);
     manifest.facades = totals.count("facades", kMaxTotal);
     manifest.tiles = totals.count("tiles", kMaxTotal);
+    if (extension.has("greatestSubtreeBytes")) {
+        manifest.greatest_subtree_bytes = extension.count("greatestSubtreeBytes", kMaxTotal);
+    }
     const JsonFields layers = extension.object("layers");
     for (size_t i = 0; i < kLayerCount; ++i) {
         manifest.has_layer[i] = layers.has(kLayerNames[i]);

@@ -92,8 +92,8 @@ TEST(DrawnPrefixes, EachLevelOfAMapCountsOnceWhenItIsDrawn) {
     dictionary.learn(city.maps);
     DrawnPrefixes with_maps(index, flight.store), without_maps(index, flight.store);
     std::set<MapPiece> pieces;
-    for (const double metres : {55.0, 30.0, 10.0, 30.0}) {
-        std::vector<TileDraw> draws = flight.update(city.camera(64, -metres, 10, 0, 0));
+    for (const double metres : {55.0, 30.0, 8.0, 30.0}) {
+        std::vector<TileDraw> draws = flight.update(city.camera(30, -metres, 8, 0, 0));
         with_maps.note(draws, [](TileAddress, bool) {});
         for (TileDraw& draw : draws) {
             for (const FacadeMapBinding& binding : draw.facade_maps)

@@ -80,7 +80,7 @@ TEST_F(LoadRun, ASlowLinkShowsInTheLatencies) {
 TEST_F(LoadRun, WhatNeverCameIsCountedWithTheTimeItHadWaited) {
     options_.client.fetcher.shape = NetworkShape{200'000, 0};  // 25 kB/s: the directory comes, the tiles do not
     options_.clients = 1;
-    options_.duration_seconds = 0.4;
+    options_.duration_seconds = 0.6;
     options_.ramp_seconds = 0;
     const LoadOutcome outcome = run();
     EXPECT_GT(outcome.measured.unanswered, 0u);

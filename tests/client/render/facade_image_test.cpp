@@ -8,6 +8,7 @@ namespace {
 
 RendererOptions options_for(FacadeRenderer renderer) {
     RendererOptions options = small_options();
+    options.facade_samples = kTestedSamples;
     options.gpu_budget_bytes = 64 << 20;
     options.facade_renderer = renderer;
     return options;
@@ -40,7 +41,7 @@ void expect_like_rays(FacadeRenderer kind, const codec::facade::RunGrid& grid, c
     const FacadeScene scene = facade_scene(*renderer, kind, grid, std::span(&wall, 1));
     for (const auto& [view, camera] : views) {
         const FrameImage gpu = draw_or_fail(*renderer, camera, std::span(&scene.tile, 1));
-        expect_almost_equal(gpu, cast_facade_picture(scene, camera),
+        expect_almost_equal(gpu, cast_facade_picture(scene, camera, facade_samples_of(kind, kTestedSamples)),
                             name + "_" + view + "_" + std::string(facade_renderer_name(kind)));
     }
     EXPECT_EQ(renderer->validation_messages(), 0u);
@@ -132,7 +133,7 @@ TEST_P(FacadeImage, ReliefAndMeshHideEachOther) {
     const FrameImage gpu = draw_or_fail(*renderer, camera, tiles);
     const FacadePainter painter(scene, camera);
     const FrameImage cpu = picture(camera, [&](double x, double y) {
-        const SeenPoint relief = painter.look(x, y);
+        const SeenPoint relief = painter.look_at_pixel(x, y, facade_samples_of(GetParam(), kTestedSamples));
         // The slab's plane: y = kNear + (kFar - kNear) * x / 6.
         const Vec3 d = ray_through(camera, x, y);
         const double slope = (kFar - kNear) / 6;
@@ -198,7 +199,8 @@ TEST(FacadePass, OpaqueFacadesHideAndOpenOnesDoNot) {
         const Camera camera = make_camera({2.5, -4, 1.6}, 12, 4);
         const FacadePainter first(near, camera), second(far, camera);
         const FrameImage cpu = picture(camera, [&](double x, double y) {
-            const SeenPoint a = first.look(x, y), b = second.look(x, y);
+            const SeenPoint a = first.look_at_pixel(x, y, kTestedSamples),
+                            b = second.look_at_pixel(x, y, kTestedSamples);
             const SeenPoint& seen = a.distance <= b.distance ? a : b;
             return std::isfinite(seen.distance) ? seen.colour : kSkyColour;
         });
@@ -230,6 +232,25 @@ TEST(FacadePass, DrawsNothingOfMapsInAForeignForm) {
     EXPECT_EQ(renderer->validation_messages(), 0u);
 }
 
+TEST(FacadePass, RefusesPlacementsWithoutAMapAndOtherNumbersOfRays) {
+    const auto renderer = make_renderer();
+    ASSERT_NE(renderer, nullptr);
+    const Wall wall;
+    FacadeScene scene = facade_scene(*renderer, FacadeRenderer::kPatch, window_facade(), std::span(&wall, 1));
+    scene.tile.map_of_placement = {3};
+    const auto drawn = renderer->draw(make_camera({3, -5, 2}, 0, 0), std::span(&scene.tile, 1), nullptr);
+    ASSERT_FALSE(drawn.ok());
+    EXPECT_NE(drawn.error().text().find("map 3"), std::string::npos);
+    for (const uint32_t samples : {0u, 2u, 4u, 14u}) {
+        RendererOptions options = small_options();
+        options.facade_samples = samples;
+        EXPECT_FALSE(VulkanRenderer::create(options).ok()) << samples;
+    }
+    EXPECT_EQ(facade_sample_names(), (std::vector<std::string>{"1", "5", "13"}));
+    EXPECT_EQ(facade_samples_named("13"), 13u);
+    EXPECT_EQ(facade_samples_named("4"), std::nullopt);
+}
+
 // Relief mapping may miss what is thin and takes sides for fronts, but shows the same facade.
 TEST(FacadePass, ReliefMappingComesNear) {
     for (const FacadeRenderer kind : {FacadeRenderer::kRm, FacadeRenderer::kCrm, FacadeRenderer::kBcrm}) {
@@ -240,7 +261,8 @@ TEST(FacadePass, ReliefMappingComesNear) {
         const Camera camera = make_camera({3, -5, 2}, 0, 0);
         const FrameImage gpu = draw_or_fail(*renderer, camera, std::span(&scene.tile, 1));
         keep(gpu, "relief_" + std::string(facade_renderer_name(kind)));
-        EXPECT_GT(psnr(gpu, cast_facade_picture(scene, camera)), 22.0) << facade_renderer_name(kind);
+        EXPECT_GT(psnr(gpu, cast_facade_picture(scene, camera, facade_samples_of(kind, kTestedSamples))), 22.0)
+            << facade_renderer_name(kind);
         EXPECT_EQ(renderer->validation_messages(), 0u);
     }
 }
@@ -289,8 +311,8 @@ TEST(FacadePass, CornersOfABuildingHaveNoGaps) {
     add_quad(roof, {{{0, 0, 0}, {kSide, 0, 0}, {kSide, kSide, 0}, {0, kSide, 0}}}, {0, 0, 1}, 0);
     TileDraw tile = upload_tile(*renderer, roof, {});
     tile.facade = scene.tile.facade;
-    tile.facade_placements = 4;
     tile.facade_maps = scene.tile.facade_maps;
+    tile.map_of_placement = scene.tile.map_of_placement;
     tile.atlas = scene.tile.atlas;
     for (int i = 0; i < 24; ++i) {
         const double angle = i * 0.2617993878 + 0.01;

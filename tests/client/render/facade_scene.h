@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "client/render/facade_map_facts.h"
 #include "codec/facade/facade_form.h"
 #include "codec/facade/facade_ray.h"
 #include "tests/client/render/pictures.h"
@@ -87,14 +88,17 @@ struct FacadeScene {
     codec::facade::Palette palette{};
 };
 
-/// Uploads facades on the walls, all showing `grid` (dictionary entry 7), as one tile.
+inline std::vector<codec::atlas::ChartImage> test_charts() {
+    return {test_chart(64, 64), test_chart(32, 32), test_chart(128, 32), test_chart(16, 16)};
+}
+
+/// Uploads facades on the walls, all showing `grid` (dictionary entry 7) with four charts, as one tile.
 inline FacadeScene facade_scene(LayerStore& store, FacadeRenderer renderer, const codec::facade::RunGrid& grid,
-                                std::span<const Wall> walls) {
+                                std::span<const Wall> walls,
+                                const std::vector<codec::atlas::ChartImage>& charts = test_charts()) {
     FacadeScene scene;
     scene.grid = grid;
     scene.wall = walls[0];
-    const std::vector<codec::atlas::ChartImage> charts = {test_chart(64, 64), test_chart(32, 32), test_chart(128, 32),
-                                                          test_chart(16, 16)};
     const LayerSteps atlas = codec::atlas::encode_atlas(charts);
     scene.atlas_words = joined(atlas);
     scene.atlas_sizes = step_words(atlas);
@@ -104,9 +108,9 @@ inline FacadeScene facade_scene(LayerStore& store, FacadeRenderer renderer, cons
     for (const Wall& wall : walls) layer.placements.push_back(wall.placement(7));
     layer.palettes.push_back(scene.palette);
     scene.tile.facade = upload(store, joined(codec::facade::encode_facades(layer)));
-    scene.tile.facade_placements = static_cast<uint32_t>(walls.size());
     scene.tile.atlas = upload(store, scene.atlas_words);
     scene.tile.facade_maps = {{3, kNoLayer}, {7, upload(store, words_for(renderer, grid))}, {9, kNoLayer}};
+    scene.tile.map_of_placement.assign(walls.size(), 1);
     return scene;
 }
 
@@ -123,13 +127,15 @@ class FacadePainter {
         : scene_(scene),
           camera_(camera),
           depths_(scene.grid.depths()),
+          finest_{finest_run(scene.grid, 0), finest_run(scene.grid, 1)},
           atlas_(codec::atlas::AtlasLayerView::create(scene.atlas_words, scene.atlas_sizes)) {
         Vec3 from_corner{};
         for (size_t c = 0; c < 3; ++c) from_corner[c] = camera.position[c] - scene.wall.corner[c];
         origin_ = to_facade(from_corner);
     }
 
-    SeenPoint look(double x, double y) const {
+    /// One ray; `share`: of the pixel's width and height that it stands for.
+    SeenPoint look(double x, double y, double share = 1) const {
         const Vec3 d = direction(x, y);
         // Nothing nearer than the near plane is drawn: the ray starts there.
         Vec3 begin{};
@@ -146,7 +152,8 @@ class FacadePainter {
         };
         const auto& entry = scene_.palette.slots[codec::facade::material_of(hit.label)];
         const double scale = 0.01 / static_cast<double>(entry.metres_per_repeat);
-        const auto px = at(x + 0.5, y), mx = at(x - 0.5, y), py = at(x, y + 0.5), my = at(x, y - 0.5);
+        const double half = 0.5 * share;
+        const auto px = at(x + half, y), mx = at(x - half, y), py = at(x, y + half), my = at(x, y - half);
         const auto uv = at(x, y);
         Vec3 normal = axis == 0 ? scene_.wall.unit_along() : axis == 1 ? Vec3{0, 0, 1} : scene_.wall.outwards();
         for (double& c : normal) c *= hit.normal_sign;
@@ -157,7 +164,38 @@ class FacadePainter {
                     normal)};
     }
 
+    /// What the pixel around a point shows: the mean of its samples (facade_samples.glsl). `most`: rays of a pixel that
+    /// covers more than half of the facade's finest runs.
+    SeenPoint look_at_pixel(double x, double y, uint32_t most) const {
+        SeenPoint centre = look(x, y);
+        if (!std::isfinite(centre.distance) || most == 1 || is_resolved(x, y, centre.distance)) return centre;
+        const double share = 1 / std::sqrt(most);
+        const auto wrapped = [](double part) { return part > 0.5 ? part - 1 : part; };
+        Vec3 sum{};
+        double hits = 0;
+        for (uint32_t i = 0; i < most; ++i) {
+            const uint32_t row = i * (most == 5 ? 2 : 5) % most;
+            const SeenPoint seen =
+                look(x + wrapped(static_cast<double>(i) / most), y + wrapped(static_cast<double>(row) / most), share);
+            if (!std::isfinite(seen.distance)) continue;
+            for (size_t c = 0; c < 3; ++c) sum[c] += seen.colour[c];
+            ++hits;
+        }
+        for (size_t c = 0; c < 3; ++c) centre.colour[c] = sum[c] / hits;
+        return centre;
+    }
+
   private:
+    bool is_resolved(double x, double y, double distance) const {
+        const Vec3 d = direction(x, y), right = direction(x + 1, y), down = direction(x, y + 1);
+        for (size_t c = 0; c < 2; ++c) {
+            const auto change = [&](const Vec3& other) {
+                return std::abs(other[c] - d[c] - d[c] * (other[2] - d[2]) / d[2]);
+            };
+            if (2 * distance * (change(right) + change(down)) > finest_[c]) return false;
+        }
+        return true;
+    }
     Vec3 to_facade(const Vec3& metres) const {
         const Vec3 along = scene_.wall.unit_along(), outwards = scene_.wall.outwards();
         return {dot(metres, along) / scene_.wall.width() * scene_.grid.width(),
@@ -168,14 +206,19 @@ class FacadePainter {
     const FacadeScene& scene_;
     const Camera& camera_;
     codec::facade::DepthRange depths_;
+    std::array<double, 2> finest_;  ///< texels
     Result<codec::atlas::AtlasLayerView> atlas_;
     Vec3 origin_{};
 };
 
-inline FrameImage cast_facade_picture(const FacadeScene& scene, const Camera& camera) {
+/// More than the default: one ray is what several come down to where facades are near.
+inline constexpr uint32_t kTestedSamples = FACADE_SAMPLES;
+
+inline FrameImage cast_facade_picture(const FacadeScene& scene, const Camera& camera,
+                                      uint32_t samples = kTestedSamples) {
     const FacadePainter painter(scene, camera);
     return picture(camera, [&](double x, double y) {
-        const SeenPoint seen = painter.look(x, y);
+        const SeenPoint seen = painter.look_at_pixel(x, y, samples);
         return std::isfinite(seen.distance) ? seen.colour : kSkyColour;
     });
 }

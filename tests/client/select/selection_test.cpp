@@ -35,6 +35,7 @@ struct World {
             if (maps == city.maps_of_tile.end()) continue;
             knowledge.tiles[i].facade_maps_known = true;
             knowledge.tiles[i].facade_maps = maps->second;
+            knowledge.tiles[i].placements = city.placements_of_tile.at(maps->first);
         }
     }
     const SyntheticCity& city;
@@ -118,19 +119,35 @@ TEST(Selection, TakesTheShortestPrefixBelowTheTolerance) {
     EXPECT_GT(no_facades, 0u);
 }
 
-/// The rule for levels read straight from its statement, with a texel share of 1: the coarsest whose texels project
-/// below the tolerance.
-uint32_t level_by_the_rule(const tiles::tileset::FacadeMapRecord& map, double pixels_per_metre, double tolerance) {
-    uint32_t level = 0;
-    while (level + 1 < map.level_count && map.level[level].texel_cm * pixels_per_metre > 100 * tolerance) ++level;
-    return level;
+/// The rule for levels read straight from its statement: of each wall (which run along x here) the coarsest level whose
+/// texels project below `pixels`.
+std::set<MapPiece> pieces_by_the_rule(const SyntheticCity& city, const Camera& camera, const TileRecord& tile,
+                                      double pixels) {
+    std::set<MapPiece> pieces;
+    const GridPoint origin = city.manifest.tile_origin(tile);
+    for (const codec::facade::Placement& wall : city.placements_of_tile.at(tile.address)) {
+        const auto outside = [&](size_t axis, int64_t low, int64_t length) {
+            const double begin = to_metres(low), end = to_metres(low + length);
+            return std::max({0.0, begin - camera.position[axis], camera.position[axis] - end});
+        };
+        const double distance =
+            std::hypot(outside(0, origin.x + wall.origin[0], wall.along[0]), outside(1, origin.y + wall.origin[1], 0),
+                       outside(2, origin.z + wall.origin[2], wall.height));
+        const double pixels_per_metre = camera.height / (2 * distance * std::tan(camera.fov_y / 2));
+        const auto& map = city.maps[wall.map];
+        uint32_t level = 0;
+        while (level + 1 < map.level_count && map.level[level].texel_cm * pixels_per_metre > 100 * pixels) ++level;
+        pieces.insert(map_piece(wall.map, level));
+    }
+    return pieces;
 }
 
 TEST(Selection, CountsEveryLayerInSlotsAndEveryLevelOfAMapOnce) {
     World& all = world();
     Selector selector(all.directory, all.knowledge, {std::nullopt, std::nullopt, 1.0});
     constexpr double kTolerance = 0.25;
-    const Selection selection = selector.select(all.city.camera(200, 100, 20, -20, -20), kTolerance, 1000);
+    const Camera camera = all.city.camera(200, 100, 20, -20, -20);
+    const Selection selection = selector.select(camera, kTolerance, 1000);
     uint64_t slots = 0, wire = 0;
     std::set<MapPiece> pieces;
     for (const SelectedTile& tile : selection.tiles) {
@@ -142,8 +159,10 @@ TEST(Selection, CountsEveryLayerInSlotsAndEveryLevelOfAMapOnce) {
             if (tile.steps[layer] > 0) wire += record.layers[layer][tile.steps[layer] - 1].end;
         }
         if (!tile.has_relief()) continue;
-        for (const uint32_t map : all.city.maps_of_tile.at(record.address))
-            pieces.insert(map_piece(map, level_by_the_rule(all.city.maps[map], tile.pixels_per_metre, kTolerance)));
+        const std::set<MapPiece> wanted = pieces_by_the_rule(all.city, camera, record, kTolerance);
+        EXPECT_EQ(std::set<MapPiece>(tile.pieces.begin(), tile.pieces.end()), wanted);
+        EXPECT_EQ(tile.pieces.size(), wanted.size());
+        pieces.insert(wanted.begin(), wanted.end());
     }
     std::set<uint32_t> maps;
     for (const MapPiece piece : pieces) {
@@ -169,7 +188,8 @@ TEST(Selection, ReliefBelowItsOwnToleranceIsFlatAndMapsFollowTheCommonOne) {
             EXPECT_EQ(tile.has_relief(), shows);
             shown += shows ? 1 : 0;
             if (!shows) continue;
-            EXPECT_DOUBLE_EQ(tile.maps.texel_metres, 0.25 / tile.pixels_per_metre);
+            const std::set<MapPiece> wanted = pieces_by_the_rule(all.city, camera, record, 0.25);
+            EXPECT_EQ(std::set<MapPiece>(tile.pieces.begin(), tile.pieces.end()), wanted);
         }
         EXPECT_LT(shown, shown_before);
         shown_before = shown;
@@ -187,9 +207,10 @@ TEST(Selection, ABudgetRaisesBothTolerances) {
     for (const SelectedTile& tile : bound.tiles) {
         const double relief = all.directory.node(tile.node).record->flat_facade_error * tile.pixels_per_metre;
         EXPECT_EQ(tile.has_relief(), relief > 0.5 * bound.tolerance);
-        if (tile.has_relief()) {
-            EXPECT_DOUBLE_EQ(tile.maps.texel_metres, 0.25 * bound.tolerance / tile.pixels_per_metre);
-        }
+        if (!tile.has_relief()) continue;
+        const TileRecord& record = *all.directory.node(tile.node).record;
+        const std::set<MapPiece> wanted = pieces_by_the_rule(all.city, camera, record, 0.25 * bound.tolerance);
+        EXPECT_EQ(std::set<MapPiece>(tile.pieces.begin(), tile.pieces.end()), wanted);
     }
 }
 

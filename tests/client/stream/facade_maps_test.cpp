@@ -38,10 +38,11 @@ FacadeDictionary dictionary_of(const SyntheticCity& city) {
 /// The tile that the cameras below look at; it uses maps 0, 1 and 2, with 1, 2 and 3 levels.
 constexpr TileAddress kTile = {3, 0, 0};
 
-/// In front of kTile, so many metres from its bounds, with its eastern neighbour further away. At 640 x 480 its relief
-/// shows within 62 m; texels of 12 cm are fine enough beyond 50 m, of 4 cm beyond 16.7 m.
+/// In front of kTile, so many metres from its bounds and from the wall of map 0; those of maps 1 and 2 stand 4 and 8 m
+/// behind it. At 640 x 480 its relief shows within 62 m; texels of 12 cm are fine enough beyond 50 m, of 4 cm beyond
+/// 16.7 m.
 Camera camera_at(const SyntheticCity& city, double metres) {
-    return city.camera(100, -metres, 10, 0, 0);
+    return city.camera(30, -metres, 8, 0, 0);
 }
 
 const TileDraw* draw_of(const SyntheticCity& city, const std::vector<TileDraw>& draws, TileAddress address) {
@@ -78,10 +79,15 @@ bool asks_for(const std::vector<FetchRequest>& requests, const FacadeDictionary&
     });
 }
 
-TEST(FacadeMaps, TilesDrawTheCoarsestLevelsThatTheirDistanceAllows) {
+TEST(FacadeMaps, FacadesDrawTheCoarsestLevelThatTheirOwnDistanceAllows) {
     const SyntheticCity& city = shared_city();
-    const std::vector<std::pair<double, Levels>> expected = {
-        {70, {}}, {55, {{0, 0}, {1, 0}, {2, 0}}}, {30, {{0, 0}, {1, 0}, {2, 1}}}, {10, {{0, 0}, {1, 1}, {2, 2}}}};
+    const std::vector<std::pair<double, Levels>> expected = {{70, {}},
+                                                             {55, {{0, 0}, {1, 0}, {2, 0}}},
+                                                             {43, {{0, 0}, {1, 0}, {2, 0}}},
+                                                             {41, {{0, 0}, {1, 0}, {2, 1}}},
+                                                             {13, {{0, 0}, {1, 0}, {2, 1}}},
+                                                             {12, {{0, 0}, {1, 1}, {2, 1}}},
+                                                             {8, {{0, 0}, {1, 1}, {2, 2}}}};
     for (const auto& [metres, levels] : expected) {
         Flight flight(city);
         EXPECT_EQ(levels_of(draw_of(city, flight.update(camera_at(city, metres)), kTile)), levels) << metres << " m";
@@ -92,7 +98,7 @@ TEST(FacadeMaps, TheWordsInTheStoreAreThoseOfTheLevel) {
     const SyntheticCity& city = shared_city();
     Flight flight(city);
     std::set<uint32_t> levels;
-    for (const double metres : {30.0, 10.0}) {
+    for (const double metres : {30.0, 8.0}) {
         for (const TileDraw& draw : flight.update(camera_at(city, metres))) {
             for (const FacadeMapBinding& binding : draw.facade_maps) {
                 const auto words = flight.store.words_of(binding.layer);
@@ -130,7 +136,7 @@ TEST(FacadeMaps, RefiningFetchesTheFinerLevelAloneAndDrawsTheCoarserOneUntilItIs
     const size_t before = flight.fetcher.log.size();
     flight.fetcher.per_poll = 0;
     for (int i = 0; i < 3; ++i) {
-        EXPECT_EQ(levels_of(draw_of(city, flight.update(camera_at(city, 10)), kTile)), coarse);
+        EXPECT_EQ(levels_of(draw_of(city, flight.update(camera_at(city, 8)), kTile)), coarse);
     }
     const auto requests = map_requests(flight, before);
     EXPECT_TRUE(asks_for(requests, dictionary, map_piece(1, 1)));
@@ -141,8 +147,8 @@ TEST(FacadeMaps, RefiningFetchesTheFinerLevelAloneAndDrawsTheCoarserOneUntilItIs
     EXPECT_FALSE(asks_for(requests, dictionary, map_piece(2, 1))) << "the level between is of no use";
 
     flight.fetcher.per_poll = 1000;
-    for (int i = 0; i < 4; ++i) flight.update(camera_at(city, 10));
-    EXPECT_EQ(levels_of(draw_of(city, flight.update(camera_at(city, 10)), kTile)), fine);
+    for (int i = 0; i < 4; ++i) flight.update(camera_at(city, 8));
+    EXPECT_EQ(levels_of(draw_of(city, flight.update(camera_at(city, 8)), kTile)), fine);
 }
 
 TEST(FacadeMaps, WaveringAtAThresholdFetchesEachLevelOnce) {
@@ -151,7 +157,7 @@ TEST(FacadeMaps, WaveringAtAThresholdFetchesEachLevelOnce) {
         StreamerOptions options;
         options.wait_for_selection = wait;
         Flight flight(city, options);
-        for (int i = 0; i < 40; ++i) flight.update(camera_at(city, i % 2 == 0 ? 16 : 18));
+        for (int i = 0; i < 40; ++i) flight.update(camera_at(city, i % 2 == 0 ? 8 : 10));
         std::set<uint64_t> seen;
         for (const FetchRequest& request : map_requests(flight)) {
             for (uint64_t byte = request.offset; byte < request.offset + request.length; ++byte) {
@@ -162,7 +168,7 @@ TEST(FacadeMaps, WaveringAtAThresholdFetchesEachLevelOnce) {
         const size_t settled = flight.fetcher.log.size();
         uint64_t decoded = 0;
         for (int i = 0; i < 10; ++i) {
-            flight.update(camera_at(city, i % 2 == 0 ? 16 : 18));
+            flight.update(camera_at(city, i % 2 == 0 ? 8 : 10));
             decoded += flight.frame.decoded_bytes;
         }
         EXPECT_EQ(flight.fetcher.log.size(), settled);
@@ -176,7 +182,7 @@ TEST(FacadeMaps, LevelsThatLieSideBySideOrAlmostAreOneRequest) {
         StreamerOptions options;
         options.relief.map_level = level;
         Flight flight(city, options);
-        flight.update(camera_at(city, 10));
+        flight.update(camera_at(city, 8));
         const auto requests = map_requests(flight);
         ASSERT_FALSE(requests.empty());
         for (size_t i = 1; i < requests.size(); ++i) {
@@ -196,12 +202,12 @@ TEST(FacadeMaps, ADamagedLevelIsTriedOnceMoreAndThenTheNextCoarserOneIsDrawn) {
         Flight flight(city);
         flight.fetcher.damage_times[kFacadeMapsPath] = times;
         flight.fetcher.damage_at = dictionary.begin(map_piece(2, 2)) + 3;
-        EXPECT_EQ(levels_of(draw_of(city, flight.update(camera_at(city, 10)), kTile)), times == 1 ? fine : coarser);
+        EXPECT_EQ(levels_of(draw_of(city, flight.update(camera_at(city, 8)), kTile)), times == 1 ? fine : coarser);
         EXPECT_EQ(flight.frame.warnings.size(), times == 1 ? 0u : 1u);
         if (times > 1) {
             EXPECT_NE(flight.frame.warnings[0].find("map 2, level 2"), std::string::npos) << flight.frame.warnings[0];
         }
-        flight.update(camera_at(city, 10));
+        flight.update(camera_at(city, 8));
         EXPECT_TRUE(flight.frame.warnings.empty());
         EXPECT_EQ(flight.frame.requests, 0u);
     }
@@ -218,7 +224,7 @@ TEST(FacadeMaps, AMapWithoutAnyLevelLeavesItsTilesFlat) {
         std::vector<std::string> warnings;
         const std::vector<TileDraw>* draws = nullptr;
         for (int i = 0; i < 12; ++i) {
-            draws = &flight.update(camera_at(city, 10));
+            draws = &flight.update(city.camera(100, -10, 10, 0, 0));
             warnings.insert(warnings.end(), flight.frame.warnings.begin(), flight.frame.warnings.end());
         }
         const TileDraw* tile = draw_of(city, *draws, kTile);
@@ -235,7 +241,7 @@ TEST(FacadeMaps, AMissingMapsEntryLeavesFacadesFlatUntilItIsBack) {
     const SyntheticCity& city = shared_city();
     Flight flight(city);
     flight.fetcher.missing_times[kFacadeMapsPath] = 1000;
-    flight.update(camera_at(city, 10));
+    flight.update(camera_at(city, 8));
     EXPECT_EQ(flight.frame.relief_tiles, 0u);
     EXPECT_EQ(flight.frame.tiles_missing, 0u);
     EXPECT_FALSE(flight.frame.warnings.empty());
@@ -273,7 +279,7 @@ TEST(FacadeMaps, ConvertedMapsAreInTheFormAskedForAndCounted) {
         options.facade_boxes = boxes;
         Flight flight(city, options);
         std::set<MapPiece> drawn;
-        for (const TileDraw& draw : flight.update(camera_at(city, 10))) {
+        for (const TileDraw& draw : flight.update(camera_at(city, 8))) {
             for (const FacadeMapBinding& binding : draw.facade_maps) {
                 const MapPiece piece = map_piece(binding.map, binding.level);
                 const auto grid = codec::facade::decode_form(city.words_of_piece.at(piece));
@@ -288,7 +294,7 @@ TEST(FacadeMaps, ConvertedMapsAreInTheFormAskedForAndCounted) {
         EXPECT_EQ(flight.frame.map_conversions, drawn.size());
         EXPECT_EQ(flight.frame.map_conversions_refused, 0u);
         EXPECT_GT(flight.frame.map_conversion_ms, 0);
-        flight.update(camera_at(city, 10));
+        flight.update(camera_at(city, 8));
         EXPECT_EQ(flight.frame.map_conversions, 0u);
     }
 }
@@ -335,7 +341,7 @@ TEST(FacadeMaps, MapsThatNoBudgetHoldsOnceConvertedAreLeftFlatWithAWarning) {
     const std::pair<StreamerOptions, uint64_t> budgets[] = {{little_host, 64u << 20}, {little_gpu, 256u << 10}};
     for (const auto& [options, gpu_bytes] : budgets) {
         Flight flight(city, options, gpu_bytes, 512);
-        flight.update(camera_at(city, 10));
+        flight.update(camera_at(city, 8));
         EXPECT_FALSE(flight.frame.warnings.empty());
         for (const std::string& warning : flight.frame.warnings) {
             EXPECT_NE(warning.find("too large"), std::string::npos) << warning;
@@ -346,11 +352,11 @@ TEST(FacadeMaps, MapsThatNoBudgetHoldsOnceConvertedAreLeftFlatWithAWarning) {
         EXPECT_EQ(flight.frame.tiles_missing, 0u);
         EXPECT_LE(flight.frame.host_bytes_used, options.host_budget_bytes);
         EXPECT_EQ(flight.store.refused_appends(), 0u);
-        flight.update(camera_at(city, 10));
+        flight.update(camera_at(city, 8));
         EXPECT_EQ(flight.frame.requests, 0u);
         EXPECT_EQ(flight.frame.map_conversions, 0u) << "given up for good";
         Flight as_shipped(city, {}, 64u << 20, 512);
-        as_shipped.update(camera_at(city, 10));
+        as_shipped.update(camera_at(city, 8));
         EXPECT_GT(as_shipped.frame.relief_tiles, 0u);
     }
 }
@@ -382,7 +388,7 @@ TEST(FacadeMaps, ACityWithoutReliefNeverAsksForTheDictionary) {
 TEST(FacadeMaps, FramesCountTheDictionaryByIndexAndMapsAndWhatIsInTheStoreByLevel) {
     const SyntheticCity& city = shared_city();
     Flight flight(city);
-    const auto& draws = flight.update(camera_at(city, 10));
+    const auto& draws = flight.update(camera_at(city, 8));
     EXPECT_EQ(flight.frame.facade_index_bytes, city.entries.at(kFacadeIndexPath).size());
     uint64_t map_bytes = 0;
     for (const FetchRequest& request : map_requests(flight)) map_bytes += request.length;

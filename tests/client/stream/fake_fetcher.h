@@ -69,6 +69,8 @@ class FakeFetcher final : public Fetcher {
             ++statistics_.failures;
             return {request.id, Error{request.path + ": no such entry"}, false, 1, 0};
         }
+        if (request.length == 0 && entry->second.size() > request.limit)
+            return {request.id, Error{request.path + ": more bytes than allowed"}, false, 1, 0};
         const uint64_t begin = request.length == 0 ? 0 : request.offset;
         const uint64_t length = request.length == 0 ? entry->second.size() : request.length;
         if (begin + length > entry->second.size())

@@ -33,8 +33,9 @@ struct SyntheticOptions {
     double origin_x = 1000 * 128, origin_y = 2000 * 128;
     uint32_t chart_size = 64;
     bool facades = true;
-    uint32_t map_width = 40;  ///< texels of the narrowest map
-    bool rough_maps = false;  ///< payloads of a kilobyte and more instead of some tens of bytes
+    uint32_t map_width = 40;          ///< texels of the narrowest map
+    bool subtree_bytes_known = true;  ///< false: a manifest that does not say how large subtrees get
+    bool rough_maps = false;          ///< payloads of a kilobyte and more instead of some tens of bytes
 };
 
 class SyntheticCity {
@@ -51,6 +52,12 @@ class SyntheticCity {
         if (options.facades) write_maps();
         write_subtrees({});
         manifest.tiles = tiles.size();
+        for (const auto& [path, bytes] : entries) {
+            const bool subtree = options.subtree_bytes_known && path.starts_with("subtrees/");
+            if (subtree) {
+                manifest.greatest_subtree_bytes = std::max<uint64_t>(manifest.greatest_subtree_bytes, bytes.size());
+            }
+        }
         const std::string json = write_tileset_json(manifest);
         put("tileset.json", std::as_bytes(std::span(json)));
     }
@@ -68,6 +75,7 @@ class SyntheticCity {
     std::map<TileAddress, TileRecord> tiles;
     std::vector<tiles::tileset::FacadeMapRecord> maps;
     std::map<TileAddress, std::vector<uint32_t>> maps_of_tile;
+    std::map<TileAddress, std::vector<codec::facade::Placement>> placements_of_tile;
     std::map<MapPiece, std::vector<uint32_t>> words_of_piece;
 
   private:
@@ -183,6 +191,7 @@ class SyntheticCity {
             facades.placements.push_back({{0, static_cast<int32_t>(i) * 4096, 0}, {side / 4, 0}, 8192, map, 0});
             used.push_back(map);
         }
+        placements_of_tile[record.address] = facades.placements;
         std::sort(used.begin(), used.end());
         used.erase(std::unique(used.begin(), used.end()), used.end());
         record.flat_facade_error = 0.15f;

@@ -211,6 +211,24 @@ TEST(MakeLevels, ShallowReliefHasNoTexelsTooCoarseToBeDrawn) {
     EXPECT_EQ(make_levels(deep).front().texel_cm, 64U);
 }
 
+TEST(MakeLevels, CoarseTexelsAreAsLongOnTheWallWhateverTheMapsOwn) {
+    const RunGrid centimetres = window_wall(6, 5);
+    RunGrid fine = centimetres;  // the same wall on texels of 2 mm
+    for (auto* breaks : {&fine.x_breaks, &fine.y_breaks}) {
+        for (uint32_t& at : *breaks) at *= 5;
+    }
+    const std::vector<FacadeLevel> levels = make_levels(centimetres, 0.01), fine_levels = make_levels(fine, 0.002);
+    ASSERT_GE(levels.size(), 2U);
+    ASSERT_EQ(fine_levels.size(), levels.size());
+    for (size_t k = 0; k < levels.size(); ++k) {
+        EXPECT_EQ(fine_levels[k].texel_cm, levels[k].texel_cm);
+        EXPECT_EQ(fine_levels[k].displacement_error, levels[k].displacement_error);
+        EXPECT_EQ(fine_levels[k].grid.labels, levels[k].grid.labels);
+    }
+    EXPECT_EQ(texels_of(0.16, 0.002), 80U);
+    EXPECT_EQ(texels_of(0.001, 0.002), 1U);
+}
+
 TEST(MakeLevels, TakesMapsOfOneTexelAndOfAllOpenCells) {
     EXPECT_EQ(make_levels({{0, 1}, {0, 1}, {kGlass}}).size(), 1U);
     EXPECT_EQ(make_levels({{0, 8192}, {0, 1}, {kOpen}}).size(), 1U);

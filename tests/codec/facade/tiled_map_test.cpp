@@ -4,7 +4,6 @@
 
 #include "codec/facade/quotient_map.h"
 #include "codec/facade/tiled_layout.h"
-#include "tests/codec/damage.h"
 #include "tests/codec/facade/relief_cases.h"
 #include "tests/shaders/facade_on_cpu.h"
 
@@ -13,29 +12,6 @@ namespace {
 
 std::vector<uint32_t> words_of(const FacadeMatrices& relief) {
     return encode_tiled_map(make_run_grid(relief).value()).value();
-}
-
-void expect_exact(const FacadeMatrices& relief, const std::string& name) {
-    const RunGrid grid = make_run_grid(relief).value();
-    const std::vector<uint32_t> words = exact_copy(*encode_tiled_map(grid));
-    const auto back = decode_tiled_map(words);
-    ASSERT_TRUE(back.ok()) << name << ": " << back.error().text();
-    EXPECT_EQ(*back, grid) << name;
-    for (uint32_t y = 0; y < relief.height; y += 1 + relief.height / 64) {
-        for (uint32_t x = 0; x < relief.width; x += 1 + relief.width / 64) {
-            const size_t i = size_t{y} * relief.width + x;
-            const uint32_t label = make_label(relief.displacement_mm[i], relief.material[i]);
-            ASSERT_EQ(tiled_label(words, x, y), label) << name << " " << x << ", " << y;
-            ASSERT_EQ(shaders_test::lookup_on_cpu(words, x, y), label) << name << " " << x << ", " << y;
-        }
-    }
-}
-
-TEST(TiledMap, KeepsEveryEntryOfAllShapes) {
-    for (const ReliefCase& relief : small_reliefs()) expect_exact(relief.relief, relief.name);
-    for (const ReliefCase& relief : large_reliefs()) expect_exact(relief.relief, relief.name);
-    expect_exact(noise_relief(97, 61, -32768, 32767, 65536), "all different at full range");
-    expect_exact(noise_relief(8192, 3, -1, 1, 2), "widest");
 }
 
 /// A wall in which every row and column is unlike any other, of few kinds of tiles.
@@ -80,33 +56,6 @@ TEST(TiledMap, GoldenWords) {
                                      2,           0,           0,           0,            // 2 bits a cell
                                      0x00025554u, 0x00020002u, 0x00020002u, 0x00020002u,  // pattern
                                      0x00000782u, 0,           0,           0}));         // palette 2, 8, 7
-}
-
-TEST(TiledMap, RefusesEveryTruncationAndFollowingWords) {
-    const auto words = words_of(window_relief(80, 100, 3, true));
-    for (size_t size = 0; size < words.size(); ++size)
-        EXPECT_FALSE(check_tiled_map(exact_copy(std::span(words).first(size))).ok()) << size;
-    for (const size_t more : {1u, 4u, 8u}) {
-        auto longer = words;
-        longer.resize(words.size() + more, 0);
-        EXPECT_FALSE(check_tiled_map(longer).ok());
-    }
-}
-
-TEST(TiledMap, NoDamagedWordMakesALookupReadOutside) {
-    size_t accepted = 0, refused = 0;
-    for_each_mutation(words_of(window_relief(40, 60, 3, true)), [&](std::span<const uint32_t> damaged) {
-        const bool ok = check_tiled_map(damaged).ok();
-        ++(ok ? accepted : refused);
-        if (!ok) return;
-        const RunGrid grid = decode_tiled_map(damaged).value();
-        for (uint32_t y = 0; y < grid.height(); y += 5) {
-            for (uint32_t x = 0; x < grid.width(); x += 5)
-                ASSERT_EQ(tiled_label(damaged, x, y), shaders_test::lookup_on_cpu(damaged, x, y));
-        }
-    });
-    EXPECT_GT(accepted, 0u);
-    EXPECT_GT(refused, accepted);
 }
 
 }  // namespace

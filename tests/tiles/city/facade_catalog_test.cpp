@@ -21,6 +21,18 @@ RunGrid random_grid(std::mt19937& random, uint32_t columns, uint32_t rows, uint3
     return grid;
 }
 
+TEST(FacadeCatalog, OfEqualMapsTheLeastTexelLengthCounts) {
+    std::mt19937 random(4);
+    FacadeCatalog catalog;
+    const RunGrid grid = random_grid(random, 5, 4, 3), other = random_grid(random, 6, 4, 3);
+    EXPECT_EQ(catalog.texel_metres(catalog.add(other)), 0.01);
+    const uint32_t map = catalog.add(grid, 0.004);
+    EXPECT_EQ(catalog.add(grid, 0.002), map);
+    EXPECT_EQ(catalog.add(grid, 0.008), map);
+    EXPECT_EQ(catalog.texel_metres(map), 0.002);
+    EXPECT_EQ(catalog.size(), 2U);
+}
+
 TEST(FacadeCatalog, GivesEveryMapBackOnItsCoarsestGrid) {
     std::mt19937 random(1);
     FacadeCatalog catalog;

@@ -12,8 +12,8 @@
 #include <map>
 #include <set>
 
-#include "codec/bits/zstd_frame.h"
 #include "codec/mesh/mesh_layer.h"
+#include "codec/step_wire.h"
 #include "tiles/archive/archive.h"
 #include "tiles/city/generator.h"
 #include "tiles/layers/inspect_city.h"
@@ -111,6 +111,7 @@ struct OpenCity {
     std::shared_ptr<archive::ArchiveReader> reader;
     tileset::Manifest manifest;
     std::map<TileAddress, TileRecord> tiles;
+    uint64_t greatest_subtree_bytes = 0;
 };
 
 OpenCity open_city(const std::string& path) {
@@ -124,8 +125,9 @@ OpenCity open_city(const std::string& path) {
     if (!manifest) return city;
     city.manifest = *manifest;
     for (std::deque<TileAddress> open = {TileAddress{}}; !open.empty(); open.pop_front()) {
-        const auto subtree =
-            tileset::parse_subtree(city.reader->find(tileset::subtree_path(open.front())), open.front(), city.manifest);
+        const auto bytes = city.reader->find(tileset::subtree_path(open.front()));
+        city.greatest_subtree_bytes = std::max<uint64_t>(city.greatest_subtree_bytes, bytes.size());
+        const auto subtree = tileset::parse_subtree(bytes, open.front(), city.manifest);
         EXPECT_TRUE(subtree.ok());
         if (!subtree) return city;
         for (const TileRecord& tile : subtree->tiles) city.tiles[tile.address] = tile;
@@ -146,13 +148,11 @@ codec::mesh::MeshTile mesh_of(const OpenCity& city, const TileRecord& tile) {
     std::vector<uint32_t> words, step_words;
     uint64_t begin = 0;
     for (const tileset::StepRecord& step : tile.steps(Layer::kMesh)) {
-        const auto raw = codec::bits::decompress_frame(bytes.subspan(begin, step.end - begin), step.decoded_bytes);
-        EXPECT_TRUE(raw.ok());
-        if (!raw) return {};
-        const size_t at = words.size();
-        words.resize(at + raw->size() / 4);
-        std::memcpy(words.data() + at, raw->data(), raw->size());
-        step_words.push_back(static_cast<uint32_t>(raw->size() / 4));
+        const auto decoded = codec::decode_step(bytes.subspan(begin, step.end - begin), step.decoded_bytes);
+        EXPECT_TRUE(decoded.ok());
+        if (!decoded) return {};
+        words.insert(words.end(), decoded->begin(), decoded->end());
+        step_words.push_back(static_cast<uint32_t>(decoded->size()));
         begin = step.end;
     }
     auto mesh = codec::mesh::decode_mesh(words, step_words, 1U << 24);
@@ -404,6 +404,7 @@ TEST_F(BuildCity, ACityWithoutTheFacadeLayerCarriesNoMaps) {
                     options.layers = {true, false, true, false};
                 }).ok());
     const OpenCity city = open_city(path("city.3tz"));
+    EXPECT_EQ(city.manifest.greatest_subtree_bytes, city.greatest_subtree_bytes);
     EXPECT_EQ(city.manifest.facade_map_count, 0U);
     EXPECT_EQ(city.reader->find(tileset::kFacadeMapsPath).data(), nullptr);
     EXPECT_TRUE(verify_city(path("city.3tz"))->empty());

@@ -13,6 +13,7 @@ using codec::facade::make_label;
 using codec::facade::RunGrid;
 
 constexpr uint32_t kOpen = make_label(codec::facade::kOpenDisplacement, 0);
+constexpr double kTexel = 0.01;  // metres
 
 /// 10 m x 8 m: a wall of 5 m with a gable above it, in steps of `step` cm.
 RunGrid gable(uint32_t step) {
@@ -39,13 +40,13 @@ double area(const FacadePanels& flat) {
 }
 
 TEST(FlatPanels, AMapWithoutOpenCellsIsOneExactPanel) {
-    const FacadePanels flat = flat_panels({{0, 100, 300}, {0, 200}, {make_label(5, 1), make_label(-90, 2)}});
+    const FacadePanels flat = flat_panels({{0, 100, 300}, {0, 200}, {make_label(5, 1), make_label(-90, 2)}}, kTexel);
     EXPECT_EQ(flat.panels, (std::vector<FacadePanel>{{{0, 0}, {65536, 65536}}}));
     EXPECT_EQ(flat.error_metres, 0);
 }
 
 TEST(FlatPanels, AGableIsAFewPanelsThatCoverAboutItsArea) {
-    const FacadePanels flat = flat_panels(gable(10));
+    const FacadePanels flat = flat_panels(gable(10), kTexel);
     EXPECT_GE(flat.panels.size(), 3U);
     EXPECT_LE(flat.panels.size(), 8U);
     EXPECT_GT(flat.error_metres, 0.08);
@@ -60,13 +61,24 @@ TEST(FlatPanels, AGableIsAFewPanelsThatCoverAboutItsArea) {
     }
 }
 
+TEST(FlatPanels, PanelsAreOfTheSameSizeOnTheWallWhateverTheTexels) {
+    RunGrid fine = gable(10);
+    for (auto* breaks : {&fine.x_breaks, &fine.y_breaks}) {
+        for (uint32_t& at : *breaks) at *= 5;
+    }
+    const FacadePanels coarse = flat_panels(gable(10), kTexel), same = flat_panels(fine, kTexel / 5);
+    EXPECT_EQ(same.panels, coarse.panels);
+    EXPECT_NEAR(same.error_metres, coarse.error_metres, 1e-9);
+}
+
 TEST(FlatPanels, AMapOfOpenCellsOnlyHasNone) {
-    EXPECT_TRUE(flat_panels({{0, 100}, {0, 200}, {kOpen}}).panels.empty());
+    EXPECT_TRUE(flat_panels({{0, 100}, {0, 200}, {kOpen}}, kTexel).panels.empty());
 }
 
 TEST(FlatPanels, AGatewayStaysOpen) {
     const uint32_t wall = make_label(0, 0);
-    const FacadePanels flat = flat_panels({{0, 400, 800, 1200}, {0, 400, 1000}, {wall, kOpen, wall, wall, wall, wall}});
+    const FacadePanels flat =
+        flat_panels({{0, 400, 800, 1200}, {0, 400, 1000}, {wall, kOpen, wall, wall, wall, wall}}, kTexel);
     EXPECT_EQ(flat.panels.size(), 3U);
     EXPECT_NEAR(area(flat), 1 - 0.4 / 3, 1e-3);
 }

@@ -45,6 +45,7 @@ TEST(TilesetJson, ManifestsComeBackExactly) {
         manifest.triangles = (uint64_t{1} << 53) + seed;
         manifest.facade_index_checksum = 0x0123456789abcdef * (seed + 1);
         manifest.has_layer[3] = seed % 2 == 1;
+        if (seed % 3 == 0) manifest.greatest_subtree_bytes = 0;
         const auto parsed = parse_tileset_json(bytes_of(write_tileset_json(manifest)));
         ASSERT_TRUE(parsed.ok()) << parsed.error().text();
         EXPECT_EQ(*parsed, manifest);
@@ -100,6 +101,7 @@ TEST(TilesetJson, WrongFieldsAreNamed) {
         {"tiles/{level}/{x}/{y}.atlas", "../{level}/{x}/{y}.atlas", "atlas.uri"},
         {"\"mapsUri\": \"facades/maps\"", "\"mapsUri\": \"http://a/b\"", "mapsUri"},
         {"\"wireBytes\": ", "\"wireBytes\": -", "wireBytes"},
+        {"\"greatestSubtreeBytes\": ", "\"greatestSubtreeBytes\": -", "greatestSubtreeBytes"},
     };
     for (const auto& [from, to, named] : kCases) {
         const auto parsed = parse_tileset_json(bytes_of(replaced(json, from, to)));

@@ -48,6 +48,10 @@ class SyntheticCityMaker {
         Manifest& manifest = city_.manifest;
         manifest.buildings = 17 * manifest.tiles;
         manifest.facades = 3;
+        for (const Subtree& subtree : city_.subtrees) {
+            const uint64_t bytes = write_subtree(subtree, manifest).size();
+            manifest.greatest_subtree_bytes = std::max(manifest.greatest_subtree_bytes, bytes);
+        }
         return std::move(city_);
     }
 
