@@ -2,14 +2,13 @@
 // ours).
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <memory>
 
 #include "client/reference/reference_renderer.h"
 #include "client/render/vulkan_renderer.h"
 #include "client/stream/city_streamer.h"
-#include "codec/bits/zstd_frame.h"
 #include "codec/facade/facade_layer.h"
+#include "codec/step_wire.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/sample_city.h"
 #include "tiles/layers/build_city.h"
@@ -159,18 +158,16 @@ Status add_leaf(const SampleCity& city, const tileset::TileRecord& leaf, FacadeS
     const auto& steps = leaf.steps(tileset::Layer::kFacade);
     if (steps.empty()) return Done{};
     const auto bytes = city.layer_bytes(leaf, tileset::Layer::kFacade);
-    const auto raw = codec::bits::decompress_frame(bytes, steps[0].decoded_bytes);
-    if (!raw) return raw.error();
-    std::vector<uint32_t> words(raw->size() / 4);
-    std::memcpy(words.data(), raw->data(), words.size() * 4);
-    const auto tile = codec::facade::decode_facades(words, static_cast<uint32_t>(city.maps.size()), UINT32_MAX);
+    const auto words = codec::decode_step(bytes, steps[0].decoded_bytes);
+    if (!words) return words.error();
+    const auto tile = codec::facade::decode_facades(*words, static_cast<uint32_t>(city.maps.size()), UINT32_MAX);
     if (!tile) return tile.error();
     for (const auto& placement : tile->placements) {
         const auto& map = city.maps[placement.map];
         sums.raw_bytes += uint64_t{6} * map.width * map.height;
     }
     sums.placements += tile->placements.size();
-    sums.layer_bytes += raw->size();
+    sums.layer_bytes += words->size() * sizeof(uint32_t);
     sums.layer_wire += bytes.size();
     return Done{};
 }

@@ -13,6 +13,7 @@
 #include "codec/bits/bit_stream.h"
 #include "codec/bits/zstd_frame.h"
 #include "codec/mesh/octahedral.h"
+#include "codec/step_wire.h"
 
 namespace citystream::bench {
 
@@ -64,18 +65,19 @@ void add_frame(Wire& wire, std::span<const std::byte> bytes) {
 Wire encode_ours(const PeerMesh& mesh) {
     Wire wire;
     wire.charts = mesh.charts;
-    for (const LayerStep& step : codec::mesh::encode_mesh(mesh.tile, 0)) add_frame(wire, bytes_of(step.words));
+    for (const LayerStep& step : codec::mesh::encode_mesh(mesh.tile, 0)) {
+        wire.parts.push_back(codec::encode_step(step.words));
+        wire.decoded_bytes.push_back(static_cast<uint32_t>(step.words.size() * sizeof(uint32_t)));
+    }
     return wire;
 }
 
 bool decode_ours(const Wire& wire, Resident& out) {
     for (size_t i = 0; i < wire.parts.size(); ++i) {
-        const auto bytes = decompress_frame(wire.parts[i], wire.decoded_bytes[i]);
-        if (!bytes) return false;
-        const size_t before = out.words.size();
-        out.words.resize(before + bytes->size() / 4);
-        std::memcpy(out.words.data() + before, bytes->data(), bytes->size());
-        out.step_words.push_back(static_cast<uint32_t>(bytes->size() / 4));
+        const auto words = codec::decode_step(wire.parts[i], wire.decoded_bytes[i]);
+        if (!words) return false;
+        out.words.insert(out.words.end(), words->begin(), words->end());
+        out.step_words.push_back(static_cast<uint32_t>(words->size()));
     }
     return codec::mesh::MeshLayerView::create(out.words, out.step_words, wire.charts).ok();
 }

@@ -18,10 +18,17 @@ bool is_floor(const quadtree::BuildObject& object, const quadtree::BuildTriangle
                                  [&](uint32_t v) { return object.vertices[v].z == bottom; });
 }
 
+/// Detailed models have gaps round their panes, through which the floor is seen from inside.
+bool has_openings(const quadtree::BuildObject& object) {
+    return std::any_of(object.triangles.begin(), object.triangles.end(), [](const quadtree::BuildTriangle& t) {
+        return t.surface == city::SurfaceKind::kWindow || t.surface == city::SurfaceKind::kDoor;
+    });
+}
+
 }  // namespace
 
 void drop_hidden_faces(quadtree::BuildObject& object) {
-    if (object.kind != city::ObjectKind::kBuilding) return;
+    if (object.kind != city::ObjectKind::kBuilding || has_openings(object)) return;
     const int64_t bottom = object.box().lo.z;
     std::vector<quadtree::BuildTriangle> seen;
     for (const quadtree::BuildTriangle& triangle : object.triangles) {

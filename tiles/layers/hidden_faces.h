@@ -6,7 +6,8 @@
 namespace citystream::tiles::layers {
 
 /// Drops the floors of a building: downward triangles of ground surfaces, and downward triangles of unknown surfaces
-/// that lie flat at its bottom. Leaves the object alone when nothing else would remain.
+/// that lie flat at its bottom. Leaves buildings with modelled windows or doors alone, as these may be gaps, and the
+/// object alone when nothing else would remain.
 void drop_hidden_faces(quadtree::BuildObject& object);
 
 }  // namespace citystream::tiles::layers

@@ -6,9 +6,9 @@
 // How, file by file (all relief_extraction_*): _frame finds the planes of the walls; _parts sorts the triangles near
 // one into fronts, sides and the rest, and joins fronts to patches of one depth; _cells cuts the wall where patches
 // begin and end and draws every triangle into the cells; _decision finds the patches whose sides the model does not
-// have
-// (_surroundings) and says which triangles the others show or hide; _pictures and _palette choose the colours; _map
-// makes the map, on texels of 2 mm (coarser on walls of more than 16 m), which the facade stretches to the wall.
+// have (_surroundings) and says which triangles the others show or hide; _pictures and _palette choose the colours;
+// _map makes the map (_ledges: its sides' colours), on texels of 1 mm (coarser along sides of more than 8 m), which the
+// facade stretches to the wall; _views looks at it from outside, and what is not seen as before is given back.
 //
 // Errors: a front that was taken out lies within `tolerance` of the relief's depth; slanting outlines become steps of
 // 15 mm at most (more on walls of millions of cells); the sides that a relief draws are the model's within the sum of
@@ -31,22 +31,25 @@ struct ReliefExtractionOptions {
     double depth_before = 2.0;    ///< metres in front
     double least_area = 6;        ///< square metres of wall, window and door polygons that make a facade
     uint32_t least_replaced = 8;  ///< triangles that a facade must take out of the mesh, or it is not made
+    double most_wrong = 0.008;    ///< share of the checked rays that may see something else than before
 };
 
 /// Sums over all buildings.
 struct ReliefExtractionReport {
     uint64_t buildings = 0;  ///< buildings looked at
     uint64_t buildings_with_relief = 0;
-    uint64_t candidate_planes = 0;    ///< walls large enough
-    uint64_t facades = 0;             ///< of these, made
-    uint64_t triangles_before = 0;    ///< of all buildings
-    uint64_t triangles_after = 0;     ///< kept as mesh
-    uint64_t triangles_hidden = 0;    ///< of those taken out: inside the solid, seen from nowhere
-    uint64_t materials_merged = 0;    ///< materials shown by another's colour, because a palette has 16 slots
-    uint64_t textures_flattened = 0;  ///< triangles shown in the mean colour of their image
-    double largest_error = 0;         ///< metres between a replaced triangle and its relief
-    double mean_error = 0;            ///< metres, mean over the area of what was replaced
-    double facade_area = 0;           ///< square metres of the facades' rectangles
+    uint64_t candidate_planes = 0;      ///< walls large enough
+    uint64_t facades = 0;               ///< of these, made
+    uint64_t facades_given_back = 0;    ///< not made, because too many rays saw something else
+    uint64_t rays = 0, rays_wrong = 0;  ///< that looked at the facades made, and saw something else than before
+    uint64_t triangles_before = 0;      ///< of all buildings
+    uint64_t triangles_after = 0;       ///< kept as mesh
+    uint64_t triangles_hidden = 0;      ///< of those taken out: inside the solid, seen from nowhere
+    uint64_t materials_merged = 0;      ///< materials shown by another's colour, because a palette has 16 slots
+    uint64_t textures_flattened = 0;    ///< triangles shown in the mean colour of their image
+    double largest_error = 0;           ///< metres between a replaced triangle and its relief
+    double mean_error = 0;              ///< metres, mean over the area of what was replaced
+    double facade_area = 0;             ///< square metres of the facades' rectangles
 };
 
 /// Call from one thread at a time; the result depends only on the objects and their order.

@@ -14,6 +14,7 @@ constexpr double kLeastUntrue = 0.002;  // square metres
 constexpr double kSampleMetres = 0.1;
 constexpr int kMostRounds = 24;
 constexpr double kSamePlaneMetres = 0.003;
+constexpr double kEdgeOn = 0.05;
 constexpr double kEdgeMetres = 0.04;  // from the rectangle's edge: walls beside it are not quite perpendicular
 
 int sample_count(double size, double spacing) {
@@ -215,7 +216,7 @@ bool Decider::is_below(const Part& part, double level) const {
 void Decider::judge_sides(Decision& decision) const {
     for (size_t i = 0; i < facade_.parts.size(); ++i) {
         const Part& part = facade_.parts[i];
-        if (part.kind != PartKind::kSide) continue;
+        if (part.kind != PartKind::kSide || part.patterned) continue;
         const bool axial = std::max(std::abs(part.normal.u), std::abs(part.normal.v)) > 0.9995;
         const double beside = axial ? lateral_ : lateral_ + grid_.stair;
         bool all = true, seen = false;
@@ -231,6 +232,23 @@ void Decider::judge_sides(Decision& decision) const {
         }
         decision.replaced[i] = all ? 1 : 0;
         decision.shown[i] = all && seen ? 1 : 0;
+    }
+}
+
+/// Sides of the model on sides that the relief draws, whatever becomes of them: one looks as the other. Not floors: a
+/// ledge in their colour would be seen from the front.
+void Decider::find_beside(Decision& decision) const {
+    decision.beside.assign(facade_.parts.size(), 0);
+    for (size_t i = 0; i < facade_.parts.size(); ++i) {
+        const Part& part = facade_.parts[i];
+        if (part.kind == PartKind::kSpeck || part.ground || std::abs(part.normal.w) > kEdgeOn) continue;
+        if (part.high.w < decision.deepest + tolerance_) continue;
+        const std::vector<Point> points = sample_points(part, kSampleMetres);
+        decision.beside[i] = std::any_of(points.begin(), points.end(), [&](const Point& p) {
+            const double in = depth_at(p.u - part.normal.u * lateral_, p.v - part.normal.v * lateral_);
+            const double out = depth_at(p.u + part.normal.u * lateral_, p.v + part.normal.v * lateral_);
+            return in > p.w && out < p.w;
+        });
     }
 }
 
@@ -294,6 +312,7 @@ Decision Decider::decide() {
             decision.shown[i] != 0 || (level >= decision.deepest - tolerance_ && is_below(part, level)) ? 1 : 0;
     }
     judge_sides(decision);
+    find_beside(decision);
     judge_others(decision);
     decision.false_sides = untrue_rim(decision.deepest);
     return decision;

@@ -18,6 +18,7 @@ struct Decision {
     std::vector<uint32_t> top;      ///< for each cell the part that it shows, kNone: open
     std::vector<uint8_t> replaced;  ///< for each part: the relief shows or hides it
     std::vector<uint8_t> shown;     ///< for each part that is replaced: the relief shows it, at least partly
+    std::vector<uint8_t> beside;    ///< for each part: the relief draws a side of its own where this one is
     double deepest = 0;             ///< metres: least depth of the relief
     double false_sides = 0;         ///< square metres of sides that the relief draws where the model has none
 };
@@ -51,6 +52,7 @@ class Decider {
     double untrue_area(const Step& step, double deepest, bool seen_only) const;
     double untrue_rim(double deepest) const;
     void judge_sides(Decision& decision) const;
+    void find_beside(Decision& decision) const;
     void judge_others(Decision& decision) const;
 
     const CellGrid& grid_;

@@ -78,7 +78,7 @@ city::Vec2 mean_normal(const Group& g) {
 double median_offset(const Group& g, const city::Vec2& normal) {
     std::vector<std::pair<double, double>> offsets;
     for (const WallTriangle* t : g.members) {
-        offsets.push_back({(t->centre.x - g.point.x) * normal.x + (t->centre.y - g.point.y) * normal.y, t->area});
+        offsets.emplace_back((t->centre.x - g.point.x) * normal.x + (t->centre.y - g.point.y) * normal.y, t->area);
     }
     std::sort(offsets.begin(), offsets.end());
     double sum = 0;

@@ -11,8 +11,7 @@ struct ReliefMap {
     double left = 0, right = 0, bottom = 0, top = 0;  ///< metres of the wall that it covers
 };
 
-/// Labels of the cells; open margins are cut off. Where a side of the model has another material than the front above
-/// it, a rim of one texel of the front shows that material, because a side of the relief looks as the front above it.
+/// Labels of the cells, with ledges for the materials of sides; open margins are cut off.
 /// Programming error: no cell is closed.
 ReliefMap make_relief_map(const CellGrid& cells, const FacadeParts& facade, const Decision& decision,
                           const SlotTable& slots, double tolerance);

@@ -16,7 +16,7 @@ struct Shown {
 std::vector<Shown> shown_looks(const FacadeParts& facade, const Decision& decision) {
     std::map<uint32_t, double> area;
     for (size_t i = 0; i < facade.parts.size(); ++i) {
-        if (decision.shown[i] != 0) area[facade.parts[i].look] += facade.parts[i].area;
+        if (decision.shown[i] != 0 || decision.beside[i] != 0) area[facade.parts[i].look] += facade.parts[i].area;
     }
     std::vector<Shown> list;
     for (const auto& [look, sum] : area) list.push_back({look, sum});

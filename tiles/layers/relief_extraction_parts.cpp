@@ -21,6 +21,7 @@ Part make_part(const city::CityObject& object, const WallFrame& frame, uint32_t 
     part.triangle = index;
     part.vertex = object.triangles[index].vertex;
     part.material = part.look = object.triangles[index].material;
+    part.ground = object.triangles[index].surface == city::SurfaceKind::kGround;
     for (size_t k = 0; k < 3; ++k) part.corner[k] = frame.local(object.vertices[object.triangles[index].vertex[k]]);
     const auto& [a, b, c] = part.corner;
     part.low = {std::min({a.u, b.u, c.u}), std::min({a.v, b.v, c.v}), std::min({a.w, b.w, c.w})};

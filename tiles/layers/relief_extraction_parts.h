@@ -25,8 +25,10 @@ struct Part {
     uint32_t triangle = 0;             ///< of the object
     std::array<uint32_t, 3> vertex{};  ///< of the object
     uint32_t material = 0;
-    uint32_t look = 0;  ///< material of the catalog that a relief shows for it
+    uint32_t look = 0;       ///< material of the catalog that a relief shows for it
+    bool patterned = false;  ///< its image is far from one colour, which no relief shows
     PartKind kind = PartKind::kOutside;
+    bool ground = false;     ///< a floor: seen from below the ground
     uint32_t patch = kNone;  ///< of flat parts
     std::array<Point, 3> corner;
     Point normal;  ///< unit; zero for specks

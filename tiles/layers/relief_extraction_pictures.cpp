@@ -9,9 +9,9 @@ namespace citystream::tiles::layers::relief {
 namespace {
 
 constexpr uint32_t kSmallSide = 128;
-constexpr int kSamplesAcross = 4;                // of a triangle
-constexpr double kWideArea = 0.25, kWide = 0.2;  // square metres; metres: twice the area over the outline
-constexpr double kOneColour = 10;                // of 255: greatest deviation that a wide surface may lose
+constexpr int kSamplesAcross = 4;                 // of a triangle
+constexpr double kWideArea = 0.25, kWide = 0.12;  // square metres; metres: twice the area over the outline
+constexpr double kOneColour = 10;                 // of 255: greatest deviation that a wide surface may lose
 constexpr int kColourStep = 6;
 
 /// Sums over samples of one surface.
@@ -64,6 +64,13 @@ Mean mean_of_part(const city::Triangle& triangle, const Part& part, Pictures& pi
         }
     }
     return mean;
+}
+
+/// Half of a wide rectangle, as far as one triangle tells.
+bool is_wide(const Part& part) {
+    const auto& [a, b, c] = part.corner;
+    const double longest = std::max({length(b - a), length(c - b), length(a - c)});
+    return 2 * part.area > kWideArea && 2 * part.area > kWide * longest;
 }
 
 }  // namespace
@@ -126,14 +133,18 @@ void flatten_pictures(const city::CityObject& object, FacadeParts& facade, Pictu
     std::vector<Mean> patches(facade.patches.size());
     std::vector<std::array<uint8_t, 3>> colours(facade.parts.size());
     const auto has_image = [&](const Part& part) {
-        return part.kind != PartKind::kOutside && catalog.materials[part.material].image >= 0;
+        return part.kind != PartKind::kSpeck && catalog.materials[part.material].image >= 0;
     };
     for (size_t i = 0; i < facade.parts.size(); ++i) {
         const Part& part = facade.parts[i];
         if (!has_image(part)) continue;
         const Mean mean = mean_of_part(object.triangles[part.triangle], part, pictures);
         colours[i] = mean.colour();
-        if (part.patch != kNone) patches[part.patch].add(mean);
+        if (part.patch != kNone) {
+            patches[part.patch].add(mean);
+        } else {
+            facade.parts[i].patterned = is_wide(part) && mean.deviation() > kOneColour;
+        }
     }
     for (size_t i = 0; i < facade.patches.size(); ++i) {
         Patch& patch = facade.patches[i];

@@ -33,7 +33,8 @@ class Pictures {
 };
 
 /// Gives each part of an image material its look: a flat material of its mean colour, in steps of a few levels so that
-/// surfaces alike share it. Wide patches that are far from one colour are marked as kept.
+/// surfaces alike share it. Wide patches that are far from one colour are marked as kept, other wide parts as
+/// patterned.
 void flatten_pictures(const city::CityObject& object, FacadeParts& facade, Pictures& pictures,
                       city::CityCatalog& catalog);
 

@@ -270,7 +270,7 @@ TEST(ReliefExtraction, MoreThanSixteenMaterialsMergeTheLeastIntoTheNearest) {
     house.close_wall(panes);
     std::vector<uint32_t> colour;
     for (size_t i = 0; i < panes.size(); ++i) {
-        colour.push_back(house.building.material(static_cast<uint8_t>(10 * i), 0, 0));
+        colour.push_back(house.building.material(static_cast<uint8_t>(3 * i), 0, 0));
         house.building.window(panes[i], 0, -0.1, house.plaster, colour.back());
     }
     const ReliefExtractionReport report = house.extract();
@@ -381,6 +381,119 @@ TEST(ReliefExtraction, OtherObjectsBareWallsAndFacadesThatAreThereStayAsTheyAre)
         EXPECT_EQ(house->triangles(), triangles);
         EXPECT_EQ(house->building.object().facades.size(), facades);
     }
+}
+
+/// Material that a ray through a place of the front sees, coming from the right (rising u) by `slope`.
+uint32_t material_from_right(House& house, double u, double v, double w, double slope) {
+    const ReliefProbe probe = house.relief();
+    constexpr double kAway = 1;
+    const city::Vec3 from = house.building.world({u + slope * kAway, v, w + kAway}),
+                     to = house.building.world({u, v, w});
+    return probe.material_along(from, {to.x - from.x, to.y - from.y, to.z - from.z}).value_or(UINT32_MAX);
+}
+
+TEST(ReliefExtraction, EveryPartOfARevealShowsItsOwnMaterial) {
+    House house;
+    const uint32_t stone = house.building.material(250, 20, 20), wood = house.building.material(20, 200, 20);
+    const Opening o = {7.2, 0.1, 9.2, 0.9};
+    house.close_wall({o});
+    // The left reveal: stone, and behind it wood; the wall's plaster only at its front.
+    house.building.window(o, -0.2, -0.3, wood, house.glass);
+    house.building.window(o, -0.1, -0.2, stone, house.glass);
+    house.building.window(o, 0, -0.1, house.plaster, house.glass);
+    auto& triangles = house.building.object().triangles;
+    std::erase_if(triangles, [&](const city::Triangle& t) {  // panes of the first two
+        const auto& points = house.building.object().vertices;
+        const auto local = [&](uint32_t v) { return 200 - points[v].y; };
+        return t.material == house.glass && local(t.vertex[0]) > -0.25 && points[t.vertex[0]].z < 30 + 0.95 &&
+               points[t.vertex[1]].z < 30 + 0.95 && points[t.vertex[2]].z < 30 + 0.95;
+    });
+    house.extract();
+    ASSERT_EQ(house.building.object().facades.size(), 1u);
+    constexpr double kSlope = 2;
+    EXPECT_EQ(material_from_right(house, o.u0, 0.5, -0.05, kSlope), house.plaster);
+    EXPECT_EQ(material_from_right(house, o.u0, 0.5, -0.15, kSlope), stone);
+    EXPECT_EQ(material_from_right(house, o.u0, 0.5, -0.25, kSlope), wood);
+    EXPECT_EQ(house.shown_material(8.2, 0.5), house.glass);
+}
+
+TEST(ReliefExtraction, PlainWallsAreNoFacades) {
+    city::CityCatalog catalog;
+    const auto build = [&](bool with_windows) {
+        ReliefBuilding box(catalog);
+        const uint32_t plaster = box.material(200, 200, 200);
+        box.body(16, 9, plaster);
+        // A footprint with many small steps, as surveyed ones have: each strip of wall in a plane of its own.
+        for (int i = 0; i < 16; ++i) {
+            const double w = -0.1 * (i % 3);
+            box.front({1.0 * i, 0, i + 1.0, 9}, w, plaster, city::SurfaceKind::kWall);
+            if (i > 0) {
+                const double before = -0.1 * ((i - 1) % 3), low = std::min(w, before), high = std::max(w, before);
+                if (w > before) {
+                    box.quad({1.0 * i, 0, low}, {1.0 * i, 0, high}, {1.0 * i, 9, high}, {1.0 * i, 9, low}, plaster,
+                             city::SurfaceKind::kWall);
+                } else {
+                    box.quad({1.0 * i, 0, high}, {1.0 * i, 0, low}, {1.0 * i, 9, low}, {1.0 * i, 9, high}, plaster,
+                             city::SurfaceKind::kWall);
+                }
+            }
+            if (with_windows) box.block({i + 0.2, 2, i + 0.8, 3}, w, w + 0.1, plaster, false);
+        }
+        ReliefExtractor extractor(catalog, {});
+        extractor.extract(box.object());
+        return box.object().facades.size();
+    };
+    EXPECT_EQ(build(false), 0u);
+    EXPECT_GE(build(true), 1u) << "the same with parts that stand out of it";
+}
+
+TEST(ReliefExtraction, OfTwoPanesInOnePlaneTheOneThatFacesOutShows) {
+    House house;
+    house.close_wall();
+    const uint32_t inside = house.building.material(250, 20, 20);
+    for (const Opening& o : house.windows) {
+        house.building.quad({o.u1, o.v0, -0.15}, {o.u0, o.v0, -0.15}, {o.u0, o.v1, -0.15}, {o.u1, o.v1, -0.15}, inside,
+                            city::SurfaceKind::kWindow);
+    }
+    house.extract();
+    ASSERT_EQ(house.building.object().facades.size(), 1u);
+    EXPECT_EQ(house.triangles(), kBodyTriangles);
+    for (const Opening& o : house.windows)
+        EXPECT_EQ(house.shown_material((o.u0 + o.u1) / 2, (o.v0 + o.v1) / 2), house.glass);
+}
+
+TEST(ReliefExtraction, AFacadeOfWhichTooMuchIsSeenWrongIsGivenBack) {
+    House house;
+    house.close_wall();
+    // One reveal of four is a gap through which the street sees into the house: relief closes it.
+    auto& object = house.building.object();
+    std::erase_if(object.triangles, [&](const city::Triangle& t) {
+        double left = 1e300, right = -1e300, back = 1e300;
+        for (const uint32_t v : t.vertex) {
+            left = std::min(left, object.vertices[v].x - 100);
+            right = std::max(right, object.vertices[v].x - 100);
+            back = std::min(back, 200 - object.vertices[v].y);
+        }
+        return right - left < 1e-6 && back > -1 && left > 0.5 && std::fmod(left + 0.01, 3) < 1.1;
+    });
+    const size_t before = house.triangles();
+    ReliefExtractionOptions strict;
+    strict.most_wrong = -1;  // no facade is right enough
+    ReliefExtractor extractor(house.catalog, strict);
+    extractor.extract(object);
+    EXPECT_EQ(extractor.report().facades, 0u);
+    EXPECT_GE(extractor.report().facades_given_back, 1u);
+    EXPECT_EQ(house.triangles(), before);
+    const ReliefExtractionReport report = house.extract();
+    EXPECT_LE(static_cast<double>(report.rays_wrong), 0.01 * static_cast<double>(report.rays));
+}
+
+TEST(ReliefExtraction, TheReportSaysWhichShareOfTheRaysSeesSomethingElse) {
+    House house;
+    house.close_wall();
+    const ReliefExtractionReport report = house.extract();
+    EXPECT_GT(report.rays, 10000u);
+    EXPECT_LE(static_cast<double>(report.rays_wrong), 0.002 * static_cast<double>(report.rays));
 }
 
 TEST(ReliefExtraction, TheVerticesOfTheMeshAreThoseItUses) {

@@ -44,17 +44,26 @@ class ReliefProbe {
     uint32_t material_of(uint32_t label) const { return palette_.material[codec::facade::material_of(label)]; }
     /// Metres from `from` to the relief along a unit direction; nothing when the ray misses it.
     std::optional<double> distance(const city::Vec3& from, const city::Vec3& direction) const {
+        const auto hit = cast(from, direction);
+        if (!hit.hit) return std::nullopt;
+        return hit.t;
+    }
+    /// The material that a ray sees.
+    std::optional<uint32_t> material_along(const city::Vec3& from, const city::Vec3& direction) const {
+        const auto hit = cast(from, direction);
+        if (!hit.hit) return std::nullopt;
+        return material_of(hit.label);
+    }
+
+  private:
+    codec::facade::FacadeRayHit cast(const city::Vec3& from, const city::Vec3& direction) const {
         const city::Vec3 at = local(from),
                          end = local({from.x + direction.x, from.y + direction.y, from.z + direction.z});
         const double across = grid_.width() / length_, up = grid_.height() / wall_.height;
         const double origin[3] = {at.x * across, at.y * up, at.z * 1000};
         const double way[3] = {(end.x - at.x) * across, (end.y - at.y) * up, (end.z - at.z) * 1000};
-        const auto hit = codec::facade::cast_facade_ray(grid_, depths_, origin, way);
-        if (!hit.hit) return std::nullopt;
-        return hit.t;
+        return codec::facade::cast_facade_ray(grid_, depths_, origin, way);
     }
-
-  private:
     static uint32_t cell(const std::vector<uint32_t>& breaks, double at) {
         return static_cast<uint32_t>(std::upper_bound(breaks.begin(), breaks.end() - 1, at) - breaks.begin()) - 1;
     }
