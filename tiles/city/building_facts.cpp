@@ -13,7 +13,7 @@ constexpr int kMostStoreys = 200;
 
 using KnownUse = std::pair<std::string_view, BuildingUse>;
 
-/// Whole values.
+/// Whole values: PLATEAU's building usages (three digits) and building functions of the German cadastre (31001_...).
 constexpr std::array<KnownUse, 24> kCodes = {{
     {"401", BuildingUse::kOffice},
     {"402", BuildingUse::kShop},
