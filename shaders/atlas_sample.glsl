@@ -4,6 +4,7 @@
 #define CITYSTREAM_ATLAS_SAMPLE_GLSL
 
 #include "codec/atlas/atlas_layout.h"
+#include "shaders/bc_blocks.glsl"
 #include "shaders/bits.glsl"
 
 struct AtlasChart {
@@ -34,20 +35,6 @@ uint chart_blocks(uvec2 atlas, AtlasChart chart, uint mip) {
 uvec2 load_block(uvec2 atlas, uint blocks, int blocks_across, ivec2 block) {
     uint word = blocks + uint(block.y * blocks_across + block.x) * 2u;
     return uvec2(layer_word(atlas, word), layer_word(atlas, word + 1u));
-}
-
-// A 5:6:5 colour with 8 bits a channel, ten bits apart: r | g << 10 | b << 20. Sums of three such colours still fit side by side.
-uint expand_565(uint c) {
-    uint high = c >> 8 & 0xf8u | (c & 0x7e0u) << 7 | (c & 0x1fu) << 23;
-    return high | high >> 5 & 0x00700007u | high >> 6 & 0x00000c00u;
-}
-
-// 0..255 a channel: c0, c1, (2 c0 + c1 + 1) / 3, (c0 + 2 c1 + 1) / 3.
-ivec3 bc1_texel(uvec2 block, uint i) {
-    uint code = block.y >> (2u * i) & 3u;
-    uint thirds = code < 2u ? code * 3u : code - 1u;
-    uint sum = expand_565(block.x & 0xffffu) * (3u - thirds) + expand_565(block.x >> 16) * thirds + 0x00100401u;
-    return ivec3(sum & 1023u, sum >> 10 & 1023u, sum >> 20) * 21846 >> 16;  // sum / 3, exact up to 766
 }
 
 ivec3 block_texel(uvec2 block, ivec2 texel) { return bc1_texel(block, uint((texel.y & 3) << 2 | texel.x & 3)); }

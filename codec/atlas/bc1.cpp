@@ -2,268 +2,170 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdlib>
-#include <utility>
+#include <cassert>
 
 namespace citystream::codec::atlas {
 
 namespace {
 
 constexpr int kTexels = 16;
-constexpr int kRefinements = 3;
 
-int expand5(uint32_t value) {
-    return static_cast<int>(value << 3 | value >> 2);
-}
-int expand6(uint32_t value) {
-    return static_cast<int>(value << 2 | value >> 4);
-}
-
-void expand565(uint32_t colour, int rgb[3]) {
-    rgb[0] = expand5(colour >> 11 & 31u);
-    rgb[1] = expand6(colour >> 5 & 63u);
-    rgb[2] = expand5(colour & 31u);
-}
-
-/// Nearest integer of a number that is not negative.
-int32_t rounded(float value) {
-    return static_cast<int32_t>(value + 0.5f);  // NOLINT(bugprone-incorrect-roundings): lround takes a call a texel
-}
-
-/// Nearest 5- or 6-bit value of a channel 0..255 (nearest after expansion, which rounding x * 31 / 255 gives).
-uint32_t quantise(float value, float levels) {
-    return static_cast<uint32_t>(rounded(std::clamp(value, 0.0f, 255.0f) * levels / 255.0f));
-}
-
-uint32_t quantise565(const float rgb[3]) {
-    return quantise(rgb[0], 31) << 11 | quantise(rgb[1], 63) << 5 | quantise(rgb[2], 31);
-}
-
-struct Block {
-    uint32_t c0 = 0, c1 = 0;
-    uint32_t indices = 0;
-    int error = 0;
-};
-
-/// The palette in the format's integers: index 0, 1 the endpoints, 2, 3 the thirds.
-void palette_of(uint32_t c0, uint32_t c1, int palette[4][3]) {
-    expand565(c0, palette[0]);
-    expand565(c1, palette[1]);
-    for (int i = 0; i < 3; ++i) {
-        palette[2][i] = (2 * palette[0][i] + palette[1][i] + 1) / 3;
-        palette[3][i] = (palette[0][i] + 2 * palette[1][i] + 1) / 3;
-    }
-}
-
-/// Channels apart and in float (every value below is a whole number under 2^24, hence exact), so that the compiler can
-/// work on several texels at once.
-struct Texels {
-    float channel[3][kTexels];
-};
-
-/// The best indices for two endpoints, which it orders to the four-colour mode.
-Block fit_indices(const Texels& texels, uint32_t c0, uint32_t c1) {
-    Block block;
-    block.c0 = std::max(c0, c1);
-    block.c1 = std::min(c0, c1);
-    int palette[4][3];
-    palette_of(block.c0, block.c1, palette);
-    float best[kTexels];
-    int index[kTexels];
-    for (int entry = 0; entry < 4; ++entry) {
-        const float red = static_cast<float>(palette[entry][0]);
-        const float green = static_cast<float>(palette[entry][1]);
-        const float blue = static_cast<float>(palette[entry][2]);
-        float distance[kTexels];
-        for (int i = 0; i < kTexels; ++i) {
-            const float r = texels.channel[0][i] - red;
-            const float g = texels.channel[1][i] - green;
-            const float b = texels.channel[2][i] - blue;
-            distance[i] = r * r + g * g + b * b;
-        }
-        for (int i = 0; i < kTexels; ++i) {
-            const bool better = entry == 0 || distance[i] < best[i];
-            best[i] = better ? distance[i] : best[i];
-            index[i] = better ? entry : index[i];
-        }
-    }
-    // Equal endpoints make four equal entries, and strict comparison has left every index at 0 then.
-    for (int i = 0; i < kTexels; ++i) {
-        block.error += static_cast<int>(best[i]);
-        block.indices |= static_cast<uint32_t>(index[i]) << (2 * i);
-    }
-    return block;
-}
-
-struct ConstantPair {
-    uint8_t a = 0, b = 0;  ///< quantised endpoints whose third (2a + b + 1) / 3 is nearest to the channel value
-};
-
-template <size_t kLevels>
-std::array<ConstantPair, 256> constant_pairs(int (*expand)(uint32_t)) {
-    std::array<ConstantPair, 256> pairs;
-    for (int value = 0; value < 256; ++value) {
-        int best = 1 << 30;
-        for (uint32_t a = 0; a < kLevels; ++a) {
-            for (uint32_t b = 0; b < kLevels; ++b) {
-                const int miss = std::abs((2 * expand(a) + expand(b) + 1) / 3 - value);
-                // Among equally near pairs the closest together: least harm where a sampler blends differently.
-                const int cost = miss * 1024 + std::abs(expand(a) - expand(b));
-                if (cost < best) {
-                    best = cost;
-                    pairs[static_cast<size_t>(value)] = {static_cast<uint8_t>(a), static_cast<uint8_t>(b)};
-                }
-            }
-        }
-    }
-    return pairs;
-}
-
-/// The nearest block of one colour.
-std::pair<uint32_t, uint32_t> constant_endpoints(const int rgb[3]) {
-    static const std::array<ConstantPair, 256> five = constant_pairs<32>(expand5);
-    static const std::array<ConstantPair, 256> six = constant_pairs<64>(expand6);
-    const ConstantPair r = five[static_cast<size_t>(rgb[0])];
-    const ConstantPair g = six[static_cast<size_t>(rgb[1])];
-    const ConstantPair b = five[static_cast<size_t>(rgb[2])];
-    return {uint32_t{r.a} << 11 | uint32_t{g.a} << 5 | b.a, uint32_t{r.b} << 11 | uint32_t{g.b} << 5 | b.b};
-}
-
-/// Direction of the largest spread of the colours (power iteration on the covariance), scaled to largest component 1.
-void principal_axis(const Texels& texels, const float mean[3], float axis[3]) {
-    float covariance[3][3] = {};
-    for (int i = 0; i < kTexels; ++i) {
-        float d[3];
-        for (int c = 0; c < 3; ++c) d[c] = texels.channel[c][i] - mean[c];
-        for (int c = 0; c < 3; ++c) {
-            for (int e = c; e < 3; ++e) covariance[c][e] += d[c] * d[e];
-        }
-    }
-    for (int c = 0; c < 3; ++c) {
-        for (int e = 0; e < c; ++e) covariance[c][e] = covariance[e][c];
-    }
-    // The row of the channel with the largest variance cannot be orthogonal to the wanted axis.
-    int start = 0;
-    for (int c = 1; c < 3; ++c) {
-        if (covariance[c][c] > covariance[start][start]) start = c;
-    }
-    for (int c = 0; c < 3; ++c) axis[c] = covariance[start][c];
-    for (int round = 0; round < 6; ++round) {
-        float next[3];
-        float largest = 0;
-        for (int c = 0; c < 3; ++c) {
-            next[c] = covariance[c][0] * axis[0] + covariance[c][1] * axis[1] + covariance[c][2] * axis[2];
-            largest = std::max(largest, std::abs(next[c]));
-        }
-        if (largest == 0) return;
-        for (int c = 0; c < 3; ++c) axis[c] = next[c] / largest;
-    }
-}
-
-/// The extreme colours along the principal axis.
-std::pair<uint32_t, uint32_t> axis_endpoints(const Texels& texels, const float mean[3]) {
-    float axis[3];
-    principal_axis(texels, mean, axis);
-    const float length2 = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
-    if (!(length2 > 0)) return {quantise565(mean), quantise565(mean)};
-    float low = 0;
-    float high = 0;
-    for (int i = 0; i < kTexels; ++i) {
-        float along = 0;
-        for (int c = 0; c < 3; ++c) along += (texels.channel[c][i] - mean[c]) * axis[c];
-        low = std::min(low, along);
-        high = std::max(high, along);
-    }
-    float from[3];
-    float to[3];
-    for (int c = 0; c < 3; ++c) {
-        from[c] = mean[c] + axis[c] * (high / length2);
-        to[c] = mean[c] + axis[c] * (low / length2);
-    }
-    return {quantise565(from), quantise565(to)};
-}
-
-/// Endpoints that fit the texels best for fixed indices (least squares). False when the indices do not determine them.
-bool refit_endpoints(const Texels& texels, uint32_t indices, std::pair<uint32_t, uint32_t>& endpoints) {
-    constexpr int kWeight[4] = {3, 0, 2, 1};  // thirds of c0 in each palette entry
-    int aa = 0;
-    int ab = 0;
-    int bb = 0;
-    float at[3] = {};
-    float bt[3] = {};
-    for (int i = 0; i < kTexels; ++i) {
-        const int a = kWeight[indices >> (2 * i) & 3u];
-        const int b = 3 - a;
-        aa += a * a;
-        ab += a * b;
-        bb += b * b;
-        for (int c = 0; c < 3; ++c) {
-            at[c] += static_cast<float>(a) * texels.channel[c][i];
-            bt[c] += static_cast<float>(b) * texels.channel[c][i];
-        }
-    }
-    const int determinant = aa * bb - ab * ab;
-    if (determinant == 0) return false;
-    float from[3];
-    float to[3];
-    const float scale = 3.0f / static_cast<float>(determinant);
-    for (int c = 0; c < 3; ++c) {
-        from[c] = (static_cast<float>(bb) * at[c] - static_cast<float>(ab) * bt[c]) * scale;
-        to[c] = (static_cast<float>(aa) * bt[c] - static_cast<float>(ab) * at[c]) * scale;
-    }
-    endpoints = {quantise565(from), quantise565(to)};
-    return true;
-}
-
-Block best_block(const Texels& texels) {
-    float mean[3];
-    int rounded_mean[3];
+bool all_equal(const Bc1Texels& texels) {
     bool equal = true;
-    for (int c = 0; c < 3; ++c) {
-        float sum = 0;
-        for (int i = 0; i < kTexels; ++i) {
-            sum += texels.channel[c][i];
-            equal = equal && texels.channel[c][i] == texels.channel[c][0];
-        }
-        mean[c] = sum / kTexels;
-        rounded_mean[c] = rounded(mean[c]);
+    for (const auto& channel : texels.channel) {
+        for (int i = 1; i < kTexels; ++i) equal &= channel[i] == channel[0];
     }
-    const auto constant = constant_endpoints(rounded_mean);
-    if (equal) return fit_indices(texels, constant.first, constant.second);
+    return equal;
+}
 
-    auto endpoints = axis_endpoints(texels, mean);
-    Block best = fit_indices(texels, endpoints.first, endpoints.second);
-    for (int round = 0; round < kRefinements && best.error > 0; ++round) {
-        if (!refit_endpoints(texels, best.indices, endpoints)) break;
-        const Block refined = fit_indices(texels, endpoints.first, endpoints.second);
-        if (refined.error >= best.error) break;
-        best = refined;
+/// The nearest one-colour endpoints, with indices as they fit.
+Bc1Block constant_block(const Bc1Texels& texels, const ChannelWeights& weights) {
+    int32_t mean[3];
+    for (int c = 0; c < 3; ++c) {
+        float sum = kTexels / 2;
+        for (const float value : texels.channel[c]) sum += value;
+        mean[c] = static_cast<int32_t>(sum) / kTexels;
     }
-    // Nearly equal texels: the thirds around the mean can be finer than any pair of endpoints on the 565 grid.
-    if (best.error < kTexels * 48) {
-        const Block flat = fit_indices(texels, constant.first, constant.second);
-        if (flat.error < best.error) best = flat;
+    return fit_bc1_indices(texels, weights, bc1_constant_endpoints(mean));
+}
+
+/// Tries neighbours of the endpoints, one channel of one endpoint at a time, and keeps what is better.
+Bc1Block step_endpoints(const Bc1Texels& texels, const ChannelWeights& weights, Bc1Block best) {
+    constexpr uint32_t kShift[6] = {0, 5, 11, 16, 21, 27};
+    constexpr uint32_t kMask[6] = {31, 63, 31, 31, 63, 31};
+    // After a step that helped all others are tried again.
+    int since = 0;
+    for (int k = 0; since < 12; k = (k + 1) % 12, ++since) {
+        const uint32_t shift = kShift[k / 2], mask = kMask[k / 2];
+        const uint32_t level = best.endpoints >> shift & mask;
+        if (level == (k % 2 == 0 ? 0 : mask)) continue;
+        const uint32_t endpoints = k % 2 == 0 ? best.endpoints - (1u << shift) : best.endpoints + (1u << shift);
+        const Bc1Block stepped = fit_bc1_indices(texels, weights, endpoints);
+        if (stepped.error >= best.error) continue;
+        best = stepped;
+        since = -1;
     }
     return best;
 }
 
+/// Codes 0 and 1 for the texels of a block that has two colours; false when it has more.
+bool two_colours(const Bc1Texels& texels, uint32_t& indices) {
+    const auto equal = [&texels](int i, int k) {
+        return texels.channel[0][i] == texels.channel[0][k] && texels.channel[1][i] == texels.channel[1][k] &&
+               texels.channel[2][i] == texels.channel[2][k];
+    };
+    int other = 0;
+    indices = 0;
+    for (int i = 1; i < kTexels; ++i) {
+        if (equal(i, 0)) continue;
+        if (other == 0) other = i;
+        if (!equal(i, other)) return false;
+        indices |= 1u << (2 * i);
+    }
+    return true;
+}
+
+/// Blocks of one colour, and of two that the grid of endpoints has: nothing is left to search.
+bool encode_simple_block(const Bc1Texels& texels, const ChannelWeights& weights, Bc1Block& block) {
+    uint32_t indices = 0;
+    if (all_equal(texels)) {
+        block = constant_block(texels, weights);
+        return true;
+    }
+    if (!two_colours(texels, indices)) return false;
+    block = fit_bc1_indices(texels, weights, fit_bc1_endpoints(texels, weights, indices).endpoints);
+    return block.error == 0;
+}
+
+Bc1Block best_block(const Bc1Texels& texels, uint32_t partition, const Bc1Options& options) {
+    const ChannelWeights& weights = options.weights;
+    Bc1Block best = fit_bc1_indices(texels, weights, fit_bc1_endpoints(texels, weights, partition).endpoints);
+    for (int round = 1; round < options.rounds && best.error > 0; ++round) {
+        const Bc1Block refit = fit_bc1_endpoints(texels, weights, best.indices);
+        if (refit.error >= best.error) break;
+        best = fit_bc1_indices(texels, weights, refit.endpoints);
+    }
+    // Nearly equal texels: the thirds around the mean can be finer than any pair of endpoints on the grid.
+    const uint32_t weight = weights.weight[0] + weights.weight[1] + weights.weight[2];
+    if (best.error < kTexels * 16 * weight) {
+        const Bc1Block flat = constant_block(texels, weights);
+        if (flat.error < best.error) best = flat;
+    }
+    return options.steps ? step_endpoints(texels, weights, best) : best;
+}
+
+/// Up to a partition search's number of blocks that need one.
+struct Batch {
+    std::array<Bc1Texels, kPartitionLanes> lanes;
+    std::array<size_t, kPartitionLanes> block;
+    size_t count = 0;
+
+    void encode(const Bc1Options& options, std::span<Bc1Block> out) {
+        for (size_t lane = count; lane < kPartitionLanes && count > 0; ++lane) lanes[lane] = lanes[count - 1];
+        std::array<uint32_t, kPartitionLanes> partitions;
+        if (count > 0) partition_texels(lanes, options.weights, options.search, partitions);
+        for (size_t lane = 0; lane < count; ++lane)
+            out[block[lane]] = best_block(lanes[lane], partitions[lane], options);
+        count = 0;
+    }
+};
+
 }  // namespace
 
-void encode_bc1_block(const uint8_t rgb[48], uint32_t out[2]) {
-    Texels texels;
-    for (int i = 0; i < kTexels; ++i) {
-        for (int c = 0; c < 3; ++c) texels.channel[c][i] = rgb[3 * i + c];
+void encode_bc1_blocks(std::span<const Bc1Texels> blocks, const Bc1Options& options, std::span<Bc1Block> out) {
+    assert(out.size() == blocks.size());
+    Batch batch;
+    for (size_t i = 0; i < blocks.size(); ++i) {
+        if (encode_simple_block(blocks[i], options.weights, out[i])) continue;
+        batch.lanes[batch.count] = blocks[i];
+        batch.block[batch.count++] = i;
+        if (batch.count == kPartitionLanes) batch.encode(options, out);
     }
-    const Block block = best_block(texels);
-    out[0] = block.c0 | block.c1 << 16;
+    batch.encode(options, out);
+}
+
+void encode_bc1_block(const uint8_t rgb[48], uint32_t out[2]) {
+    const Bc1Texels texels = bc1_texels(rgb);
+    Bc1Block block;
+    encode_bc1_blocks(std::span(&texels, 1), {}, std::span(&block, 1));
+    out[0] = block.endpoints;
     out[1] = block.indices;
 }
 
+std::vector<Bc1Texels> bc1_blocks_of(std::span<const uint8_t> rgb, uint32_t width, uint32_t height) {
+    assert(width > 0 && height > 0 && rgb.size() == 3 * size_t{width} * height);
+    std::vector<Bc1Texels> blocks;
+    blocks.reserve(size_t{(width + 3) / 4} * ((height + 3) / 4));
+    for (uint32_t by = 0; by < height; by += 4) {
+        for (uint32_t bx = 0; bx < width; bx += 4) {
+            Bc1Texels& texels = blocks.emplace_back();
+            for (uint32_t i = 0; i < kTexels; ++i) {
+                const size_t x = std::min(bx + i % 4, width - 1), y = std::min(by + i / 4, height - 1);
+                for (size_t c = 0; c < 3; ++c) texels.channel[c][i] = rgb[3 * (y * width + x) + c];
+            }
+        }
+    }
+    return blocks;
+}
+
+std::vector<uint32_t> encode_bc1_image(std::span<const uint8_t> rgb, uint32_t width, uint32_t height,
+                                       const Bc1Options& options) {
+    const std::vector<Bc1Texels> texels = bc1_blocks_of(rgb, width, height);
+    std::vector<Bc1Block> blocks(texels.size());
+    encode_bc1_blocks(texels, options, blocks);
+    std::vector<uint32_t> words;
+    words.reserve(2 * blocks.size());
+    for (const Bc1Block& block : blocks) {
+        words.push_back(block.endpoints);
+        words.push_back(block.indices);
+    }
+    return words;
+}
+
 void decode_bc1_texel(const uint32_t block[2], uint32_t i, uint8_t rgb[3]) {
-    int palette[4][3];
-    palette_of(block[0] & 0xffffu, block[0] >> 16, palette);
-    const int* colour = palette[block[1] >> (2 * i) & 3u];
+    int32_t palette[4][3];
+    bc1_palette(block[0], palette);
+    const int32_t* colour = palette[block[1] >> (2 * i) & 3u];
     for (int c = 0; c < 3; ++c) rgb[c] = static_cast<uint8_t>(colour[c]);
 }
 

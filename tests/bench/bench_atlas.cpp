@@ -1,286 +1,230 @@
-// Claim: what our BC1 encoder costs and how good it is, against libsquish's range fit and cluster fit.
+// Claim: how small charts become by view matching and by each metric and tolerance, and what they cost on the wire.
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
-#include <squish.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstring>
+#include <ctime>
+#include <filesystem>
 
-#include "codec/atlas/atlas_layer.h"
 #include "codec/atlas/bc1.h"
+#include "codec/atlas/chart_search.h"
+#include "codec/atlas/coverage.h"
 #include "codec/bits/zstd_frame.h"
 #include "tests/bench/bench_program.h"
-#include "tests/bench/sample_city.h"
 #include "tiles/city/generator.h"
+#include "tiles/layers/image_cache.h"
 
 namespace {
 
 using namespace citystream;
 using namespace citystream::bench;
-using codec::atlas::ChartImage;
+using namespace citystream::codec::atlas;
 
 constexpr const char* kClaim =
-    "BC1 of procedural textures and photographs: our encoder, libsquish range fit and cluster fit (equal weights, "
-    "decoded by one decoder).\n"
-    "psnr_db over all three channels. speed_to_range_fit: Mtexel/s over those of the range fit, on a 256 x 256 part. "
-    "wire_bytes: blocks of the\n"
-    "finest mip after zstd -19; png_bytes and rgb_zstd_bytes of the same image without loss. FILEs are images.";
-constexpr size_t kMostTextures = 6, kMostPhotographs = 6;
-constexpr uint32_t kTimedSide = 256;
+    "Charts after view matching and saliency search: size, error and bytes of every image, metric and tolerance.\n"
+    "in: the image's size. view_size: after view matching by --metres and --texel (as it is without --metres). size,\n"
+    "error: the chart's, by a search of --order that judges by the view-matched image. calls: of the metric.\n"
+    "bc1_zstd_bytes: the chart's finest mip in BC1 after zstd -19. jpeg_bytes: the image as given, as JPEG of quality\n"
+    "85, which a plain viewer would fetch; view_jpeg_bytes: the view-matched one. mpixel_per_s: view-matched pixels a\n"
+    "second of processor time of the search, one core. Without IMAGEs: the textures of a generated city, with the "
+    "metres that its walls,\n"
+    "roofs and streets give them.";
+constexpr int kJpegQuality = 85;
+constexpr const char* kMetrics =
+    "rmse:0.05,rmse:0.1,rmse:0.2,nrmse:0.1,hvse:0.1,hvse:0.2,hvse:0.3,hvse:0.4,hvse:0.5,ssim:0.98,ssim:0.95,ssim:0.9,"
+    "flip:0.05,flip:0.1";
 
-using Blocks = std::vector<uint32_t>;
+struct Request {
+    double metres_u = 0, metres_v = 0;  // of one repeat; 0: no view matching
+    double texel = 0.05;
+    std::vector<Metric> metrics;
+    SearchSettings search;
+};
 
-/// Whole blocks only: sizes are cut to multiples of 4 when an image is read.
-template <typename EncodeBlock>
-Blocks encode_image(const ChartImage& image, EncodeBlock encode_block) {
-    Blocks blocks;
-    blocks.reserve(size_t{image.width} / 4 * (image.height / 4) * 2);
-    for (uint32_t y = 0; y < image.height; y += 4) {
-        for (uint32_t x = 0; x < image.width; x += 4) {
-            uint8_t texels[48];
-            for (uint32_t row = 0; row < 4; ++row)
-                std::memcpy(texels + 12 * row, &image.rgb[3 * (size_t{y + row} * image.width + x)], 12);
-            uint32_t block[2];
-            encode_block(texels, block);
-            blocks.insert(blocks.end(), block, block + 2);
-        }
-    }
-    return blocks;
+struct Picture {
+    std::string name;
+    ChartImage image;
+    Coverage coverage;
+};
+
+std::optional<double> parse_metres(std::string_view text) {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !(value > 0) || value > 1e9) return std::nullopt;
+    return value;
 }
 
-Blocks encode_ours(const ChartImage& image) {
-    return encode_image(image,
-                        [](const uint8_t* texels, uint32_t* block) { codec::atlas::encode_bc1_block(texels, block); });
+bool take_size(const std::string& text, Request& request) {
+    const size_t cross = text.find('x');
+    if (cross == std::string::npos) return false;
+    const auto width = parse_metres(std::string_view(text).substr(0, cross));
+    const auto height = parse_metres(std::string_view(text).substr(cross + 1));
+    if (!width || !height) return false;
+    request.metres_u = *width;
+    request.metres_v = *height;
+    return true;
 }
 
-Blocks encode_squish(const ChartImage& image, int fit) {
-    return encode_image(image, [fit](const uint8_t* texels, uint32_t* block) {
-        squish::u8 rgba[64];
-        for (size_t i = 0; i < 16; ++i) {
-            std::memcpy(rgba + 4 * i, texels + 3 * i, 3);
-            rgba[4 * i + 3] = 255;
-        }
-        float equal[3] = {1, 1, 1};
-        squish::CompressMasked(rgba, 0xFFFF, block, squish::kDxt1 | fit, equal);
-    });
-}
-
-/// Colours of a block as BC1 decoders show them, three-colour mode included (squish may use it).
-void decode_block(const uint32_t block[2], uint8_t rgb[48]) {
-    if ((block[0] & 0xFFFF) > (block[0] >> 16)) {
-        for (uint32_t i = 0; i < 16; ++i) codec::atlas::decode_bc1_texel(block, i, rgb + 3 * i);
-        return;
-    }
-    squish::u8 rgba[64];
-    squish::Decompress(rgba, block, squish::kDxt1);
-    for (size_t i = 0; i < 16; ++i) std::memcpy(rgb + 3 * i, rgba + 4 * i, 3);
-}
-
-double psnr(const ChartImage& image, const Blocks& blocks) {
-    double squares = 0;
-    size_t at = 0;
-    for (uint32_t y = 0; y < image.height; y += 4) {
-        for (uint32_t x = 0; x < image.width; x += 4, at += 2) {
-            uint8_t rgb[48];
-            decode_block(&blocks[at], rgb);
-            for (uint32_t i = 0; i < 48; ++i) {
-                const double difference = rgb[i] - image.rgb[3 * (size_t{y + i / 12} * image.width + x) + i % 12];
-                squares += difference * difference;
-            }
-        }
-    }
-    return 10 * std::log10(255.0 * 255.0 / std::max(squares / static_cast<double>(image.rgb.size()), 1e-9));
-}
-
-ChartImage part_of(const ChartImage& image, uint32_t width, uint32_t height) {
-    ChartImage part;
-    part.width = std::min(image.width, width) / 4 * 4;
-    part.height = std::min(image.height, height) / 4 * 4;
-    part.metres_per_texel = 0.01F;
-    for (uint32_t y = 0; y < part.height; ++y) {
-        const auto row = image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * size_t{y} * image.width);
-        part.rgb.insert(part.rgb.end(), row, row + static_cast<std::ptrdiff_t>(3 * size_t{part.width}));
-    }
-    return part;
-}
-
-uint64_t png_bytes(const ChartImage& image) {
-    std::vector<unsigned char> file;
-    OIIO::Filesystem::IOVecOutput memory(file);
-    const auto output = OIIO::ImageOutput::create("image.png", &memory);
-    OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3, OIIO::TypeDesc::UINT8);
-    spec.attribute("png:compressionLevel", 9);
-    const bool written = output && output->open("image.png", spec) &&
-                         output->write_image(OIIO::TypeDesc::UINT8, image.rgb.data()) && output->close();
-    return written ? file.size() : 0;
-}
-
-/// The layer's texels of mip 0 are those of our blocks, after zstd and back.
-bool layer_round_trips(const ChartImage& image, const Blocks& blocks) {
-    std::vector<uint32_t> words, step_words;
-    for (const LayerStep& step : codec::atlas::encode_atlas(std::span(&image, 1))) {
-        const auto raw = std::as_bytes(std::span(step.words));
-        const auto back = codec::bits::decompress_frame(codec::bits::compress_frame(raw, 3), raw.size());
-        if (!back || !std::equal(back->begin(), back->end(), raw.begin())) return false;
-        words.insert(words.end(), step.words.begin(), step.words.end());
-        step_words.push_back(static_cast<uint32_t>(step.words.size()));
-    }
-    const auto view = codec::atlas::AtlasLayerView::create(words, step_words);
-    if (!view || view->finest_mip() != 0) return false;
-    for (uint32_t i = 0; i < image.width * image.height; i += 5) {
-        const uint32_t x = i % image.width, y = i / image.width;
-        uint8_t shown[3], expected[3];
-        view->texel(0, 0, x, y, shown);
-        codec::atlas::decode_bc1_texel(&blocks[2 * (size_t{y / 4} * (image.width / 4) + x / 4)], y % 4 * 4 + x % 4,
-                                       expected);
-        if (std::memcmp(shown, expected, 3) != 0) return false;
+bool take_metrics(const std::string& text, Request& request) {
+    request.metrics.clear();
+    for (size_t start = 0; start <= text.size();) {
+        const size_t comma = std::min(text.find(',', start), text.size());
+        const auto metric = parse_metric(std::string_view(text).substr(start, comma - start));
+        if (!metric) return false;
+        request.metrics.push_back(*metric);
+        start = comma + 1;
     }
     return true;
 }
 
-struct Encoder {
-    const char* name;
-    std::function<Blocks(const ChartImage&)> encode;
-};
-
-struct Totals {
-    std::vector<double> psnr;
-    std::vector<std::vector<double>> seconds;  ///< by repetition
-    uint64_t wire = 0;
-};
-
-void measure_set(const std::string& set, const std::vector<ChartImage>& images, int repetitions,
-                 BenchProgram& program) {
-    const std::vector<Encoder> encoders = {
-        {"citystream", encode_ours},
-        {"libsquish range fit", [](const ChartImage& i) { return encode_squish(i, squish::kColourRangeFit); }},
-        {"libsquish cluster fit", [](const ChartImage& i) { return encode_squish(i, squish::kColourClusterFit); }}};
-    std::vector<Totals> totals(encoders.size());
-    uint64_t texels = 0, png = 0, rgb = 0;
-    std::vector<std::vector<double>> speed(encoders.size()), rate(encoders.size());
-    for (const ChartImage& image : images) {
-        texels += uint64_t{image.width} * image.height;
-        png += png_bytes(image);
-        rgb += codec::bits::compress_frame(std::as_bytes(std::span(image.rgb))).size();
-        for (size_t i = 0; i < encoders.size(); ++i) {
-            const Blocks blocks = encoders[i].encode(image);
-            totals[i].psnr.push_back(psnr(image, blocks));
-            totals[i].wire += codec::bits::compress_frame(std::as_bytes(std::span(blocks))).size();
-            if (i == 0)
-                program.check(layer_round_trips(image, blocks), set + ": the atlas layer shows the encoder's blocks");
-        }
-        const ChartImage part = part_of(image, kTimedSide, kTimedSide);
-        std::vector<std::function<void()>> work;
-        for (const Encoder& encoder : encoders)
-            work.emplace_back([&encoder, &part] { keep(encoder.encode(part).size()); });
-        const auto seconds = time_in_turn(work, repetitions);
-        for (size_t i = 0; i < encoders.size(); ++i) {
-            for (int r = 0; r < repetitions; ++r) {
-                const auto at = static_cast<size_t>(r);
-                speed[i].push_back(seconds[1][at] / seconds[i][at]);
-                rate[i].push_back(static_cast<double>(part.rgb.size()) / 3e6 / seconds[i][at]);
-            }
-        }
-    }
-    const auto ratio = [](uint64_t a, uint64_t b) { return rounded(static_cast<double>(a) / static_cast<double>(b)); };
-    for (size_t i = 0; i < encoders.size(); ++i) {
-        std::vector<double> gain;
-        for (size_t k = 0; k < images.size(); ++k) gain.push_back(totals[i].psnr[k] - totals[1].psnr[k]);
-        program.print({{"set", set},
-                       {"encoder", encoders[i].name},
-                       {"images", images.size()},
-                       {"texels", texels},
-                       {"psnr_db", to_json(spread_of(totals[i].psnr))},
-                       {"psnr_over_range_fit_db", to_json(spread_of(gain))},
-                       {"speed_to_range_fit", to_json(spread_of(speed[i]))},
-                       {"mtexel_per_s", to_json(spread_of(rate[i]))},
-                       {"wire_bytes", totals[i].wire},
-                       {"wire_bits_per_texel", ratio(8 * totals[i].wire, texels)},
-                       {"wire_to_png", ratio(totals[i].wire, png)},
-                       {"resident_to_rgba8", 0.125},
-                       {"png_bytes", png},
-                       {"rgb_zstd_bytes", rgb}});
-    }
-    program.check(png > 0, "OpenImageIO writes the PNG");
-    program.check(spread_of(totals[0].psnr).min > 20, set + ": our encoder keeps every image above 20 dB");
+template <typename T>
+bool take(const std::optional<T>& parsed, T& value) {
+    if (parsed) value = *parsed;
+    return parsed.has_value();
 }
 
-std::vector<ChartImage> procedural_textures(const BenchOptions& options) {
+std::vector<BenchOption> options_of(Request& request) {
+    return {{"--metres", "WxH, metres that one repeat of every image covers",
+             [&request](const std::string& text) { return take_size(text, request); }},
+            {"--texel", "M, metres a texel of the view (0.05)",
+             [&request](const std::string& text) { return take(parse_metres(text), request.texel); }},
+            {"--metric", "metrics with tolerances, such as rmse:0.05,hvse:0.3,ssim:0.98,flip:0.05,none",
+             [&request](const std::string& text) { return take_metrics(text, request); }},
+            {"--order", "width, height, both, alternate or best",
+             [&request](const std::string& text) { return take(parse_search_order(text), request.search.order); }},
+            {"--filter", "area, lanczos or bilinear (the thesis's, without prefilter)",
+             [&request](const std::string& text) { return take(parse_shrink(text), request.search.filter); }}};
+}
+
+uint64_t jpeg_bytes(const ChartImage& image) {
+    std::vector<unsigned char> file;
+    OIIO::Filesystem::IOVecOutput memory(file);
+    const auto output = OIIO::ImageOutput::create("image.jpg", &memory);
+    OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3, OIIO::TypeDesc::UINT8);
+    spec.attribute("Compression", "jpeg:" + std::to_string(kJpegQuality));
+    const auto row = static_cast<OIIO::stride_t>(3 * size_t{image.width});
+    const bool written = output && output->open("image.jpg", spec) &&
+                         output->write_image(OIIO::TypeDesc::UINT8, &image.rgb[image.rgb.size() - size_t(row)],
+                                             OIIO::AutoStride, -row) &&
+                         output->close();
+    return written ? file.size() : 0;
+}
+
+uint64_t bc1_zstd_bytes(const ChartImage& chart) {
+    const std::vector<uint32_t> words = encode_bc1_image(chart.rgb, chart.width, chart.height);
+    return codec::bits::compress_frame(std::as_bytes(std::span(words))).size();
+}
+
+/// The error again, from the bytes that would be stored.
+double error_of(const ChartImage& chart, const Image& original, const SearchSettings& search) {
+    if (search.metric.kind == MetricKind::kNone) return 0;
+    const Image shown = resample(linear_image(chart), original.width, original.height, search.filter, search.edges);
+    return MetricReference(original, search.metric.kind, search.view).error(shown);
+}
+
+void measure(const Picture& picture, Request request, BenchProgram& program) {
+    const auto size_of = [](const auto& image) { return Json::array({image.width, image.height}); };
+    request.search.edges = {picture.image.repeat_u, picture.image.repeat_v};
+    const ChartSize in{picture.image.width, picture.image.height};
+    const ChartSize wanted = picture.coverage.used() ? view_size(in, picture.coverage, request.texel) : in;
+    Image view = resample(picture.image, wanted.width, wanted.height, request.search.filter, request.search.edges);
+    quantise(view);
+    const uint64_t jpeg = jpeg_bytes(picture.image), view_jpeg = jpeg_bytes(chart_image(view));
+    for (const Metric& metric : request.metrics) {
+        request.search.metric = metric;
+        const std::clock_t start = std::clock();
+        const SearchResult result = search_chart(view, request.search);
+        const double seconds = static_cast<double>(std::max<std::clock_t>(std::clock() - start, 1)) / CLOCKS_PER_SEC;
+        const ChartImage chart = chart_image(result.image);
+        program.check(result.error <= metric.largest_error(), picture.name + ": the chart keeps the tolerance");
+        program.check(std::abs(error_of(chart, view, request.search) - result.error) < 1e-9,
+                      picture.name + ": the stored bytes have the error that the search states");
+        program.print({{"image", picture.name},
+                       {"metric", name_of(metric.kind)},
+                       {"tolerance", metric.tolerance},
+                       {"in", size_of(in)},
+                       {"view_size", size_of(view)},
+                       {"size", size_of(result.image)},
+                       {"error", rounded(result.error)},
+                       {"calls", result.calls},
+                       {"bc1_zstd_bytes", bc1_zstd_bytes(chart)},
+                       {"jpeg_bytes", jpeg},
+                       {"view_jpeg_bytes", view_jpeg},
+                       {"mpixel_per_s", rounded(static_cast<double>(view.area()) / 1e6 / seconds)}});
+    }
+}
+
+Coverage coverage_of(double metres_u, double metres_v) {
+    Coverage coverage;
+    if (metres_u > 0 && metres_v > 0) coverage = {metres_u, metres_v, 1, 1, 1, 1, 0};
+    return coverage;
+}
+
+/// The generator's textures and what its city says about them.
+std::vector<Picture> generated_pictures(const BenchOptions& options) {
     tiles::city::GeneratorOptions generator;
     generator.buildings = options.buildings;
     generator.seed = options.seed;
     tiles::city::CityHeader header;
     tiles::city::CityCatalog catalog;
     tiles::city::CityReport report;
-    tiles::city::generate_city(generator, header, catalog, report, [](tiles::city::CityObject&&) { return true; });
-    std::vector<const tiles::city::Image*> found;
-    for (const auto& source : catalog.images) {
-        if (source.pixels && source.pixels->width >= 4 && source.pixels->height >= 4)
-            found.push_back(source.pixels.get());
+    std::vector<Coverage> by_material;
+    tiles::city::generate_city(generator, header, catalog, report, [&](tiles::city::CityObject&& object) {
+        for (const auto& triangle : object.triangles) {
+            by_material.resize(std::max<size_t>(by_material.size(), triangle.material + size_t{1}));
+            std::array<CoverageVertex, 3> corners;
+            for (size_t k = 0; k < 3; ++k) {
+                const auto& at = object.vertices[triangle.vertex[k]];
+                corners[k] = {{at.x, at.y, at.z}, {triangle.texcoord[k].x, triangle.texcoord[k].y}};
+            }
+            add_polygon(by_material[triangle.material], corners);
+        }
+        return true;
+    });
+    by_material.resize(catalog.materials.size());
+    std::vector<Picture> pictures;
+    for (size_t i = 0; i < catalog.images.size(); ++i) {
+        if (!catalog.images[i].pixels) continue;
+        const auto& pixels = *catalog.images[i].pixels;
+        Picture picture{"texture-" + std::to_string(i), {}, {}};
+        picture.image.width = pixels.width;
+        picture.image.height = pixels.height;
+        picture.image.rgb = pixels.rgb;
+        for (size_t m = 0; m < catalog.materials.size(); ++m) {
+            const auto& material = catalog.materials[m];
+            if (material.image != static_cast<int32_t>(i)) continue;
+            picture.image.repeat_u = picture.image.repeat_v = material.repeat;
+            const auto metres = static_cast<double>(material.metres_per_repeat);
+            add_coverage(picture.coverage, by_material[m]);
+            add_coverage(picture.coverage, coverage_of(metres, metres));
+        }
+        pictures.push_back(std::move(picture));
     }
-    std::vector<ChartImage> images;
-    const size_t count = std::min(kMostTextures, found.size());
-    for (size_t i = 0; i < count; ++i) {
-        const auto& image = *found[i * found.size() / count];
-        ChartImage whole;
-        whole.width = image.width;
-        whole.height = image.height;
-        whole.rgb = image.rgb;
-        images.push_back(part_of(whole, image.width, image.height));
-    }
-    return images;
-}
-
-ChartImage read_photograph(const std::string& file) {
-    const auto input = OIIO::ImageInput::open(file);
-    if (!input || input->spec().nchannels < 3) return {};
-    ChartImage whole;
-    whole.width = static_cast<uint32_t>(input->spec().width);
-    whole.height = static_cast<uint32_t>(input->spec().height);
-    whole.rgb.resize(3 * size_t{whole.width} * whole.height);
-    if (!input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, whole.rgb.data())) return {};
-    return part_of(whole, 4096, 4096);
-}
-
-std::vector<std::string> kodak_files() {
-    const std::filesystem::path folder = CITYSTREAM_SOURCE_DIR "/../shared/data/kodak";
-    std::vector<std::string> files;
-    if (!std::filesystem::exists(folder)) return files;
-    for (const auto& file : std::filesystem::directory_iterator(folder)) {
-        if (file.path().extension() == ".png") files.push_back(file.path().string());
-    }
-    std::sort(files.begin(), files.end());
-    files.resize(std::min(files.size(), kMostPhotographs));
-    return files;
+    return pictures;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    BenchProgram program({"bench_atlas", kClaim, "photograph.png"});
+    Request request;
+    take_metrics(kMetrics, request);
+    BenchProgram program({"bench_atlas", kClaim, "image.jpg", true, {}, options_of(request)});
     BenchOptions options;
     options.buildings = 30;
-    options.repetitions = 5;
     if (!program.read_arguments(argc, argv, options)) return program.exit_code();
-    const auto textures = procedural_textures(options);
-    if (program.check(!textures.empty(), "the generator makes textures"))
-        measure_set("procedural", textures, options.repetitions, program);
-    std::string set = "files";
     if (options.files.empty()) {
-        options.files = kodak_files();
-        set = "kodak";
+        const auto pictures = generated_pictures(options);
+        program.check(!pictures.empty(), "the generator makes textures");
+        for (const Picture& picture : pictures) measure(picture, request, program);
     }
-    std::vector<ChartImage> photographs;
-    for (const auto& file : options.files) {
-        photographs.push_back(read_photograph(file));
-        if (!program.check(!photographs.back().rgb.empty(), file + " is a colour image of at least 4 x 4 texels"))
-            photographs.pop_back();
-    }
-    if (photographs.empty()) {
-        program.print_skipped("no photographs given and none in ../shared/data/kodak");
-    } else {
-        measure_set(set, photographs, options.repetitions, program);
+    for (const std::string& file : options.files) {
+        auto image = tiles::layers::decode_image(file);
+        if (!program.check(image.ok(), file + " is an image: " + (image ? "" : image.error().text()))) continue;
+        measure({std::filesystem::path(file).filename().string(), *std::move(image),
+                 coverage_of(request.metres_u, request.metres_v)},
+                request, program);
     }
     return program.exit_code();
 }

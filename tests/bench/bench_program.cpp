@@ -36,6 +36,12 @@ bool BenchProgram::read_arguments(int argc, char** argv, BenchOptions& options) 
     app.add_option("--repetitions", options.repetitions, "of each measurement")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
+    for (const BenchOption& option : description_.options) {
+        const auto accept = [&option](const std::string& text) {
+            if (!option.accept(text)) throw CLI::ValidationError(option.name, text + " is not: " + option.help);
+        };
+        app.add_option_function<std::string>(option.name, accept, option.help);
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -27,11 +28,18 @@ struct BenchOptions {
     bool split = false;  ///< parts of each case on lines of their own, too
 };
 
+/// An option that only one program has.
+struct BenchOption {
+    std::string name, help;                          ///< "--texel"
+    std::function<bool(const std::string&)> accept;  ///< takes the text; false: wrong usage
+};
+
 struct BenchDescription {
     std::string name, claim;  ///< the claim is the help text: what is compared with what, and what the fields mean
     std::string files;        ///< what FILE arguments are; empty: the program takes none
     bool generates = true;    ///< has --buildings and --seed
     std::string parts = {};   ///< what --split shows; empty: the program has no --split
+    std::vector<BenchOption> options = {};
 };
 
 class BenchProgram {
