@@ -1,5 +1,6 @@
 // A step between its decoded words and the frame that travels: one zstd frame, of the words themselves or, where that
-// is smaller, of a packed form of them that the frame's content names (mesh/FORMAT.md, "On the wire").
+// is smaller, of a packed form of them that the frame's content names (mesh/FORMAT.md and atlas/FORMAT.md, "On the
+// wire").
 #pragma once
 
 #include <cstddef>
@@ -7,11 +8,15 @@
 #include <span>
 #include <vector>
 
+#include "codec/layer_steps.h"
 #include "codec/result.h"
 
 namespace citystream::codec {
 
-/// The frame of a step. Deterministic for one zstd version.
+/// The frames of a layer's steps. Deterministic for one zstd version.
+std::vector<std::vector<std::byte>> encode_steps(const LayerSteps& steps, int level = 19);
+
+/// The frame of step 0 of a layer.
 std::vector<std::byte> encode_step(std::span<const uint32_t> words, int level = 19);
 
 /// The step's words. `decoded_bytes` is what the directory says of them: content of that size is the words, content of

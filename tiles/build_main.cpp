@@ -41,7 +41,7 @@ struct Arguments {
     std::string origin = "0,0";
     std::optional<uint64_t> dress_seed;
     bool no_extract_relief = false;
-    uint32_t merge_tolerance_mm = 0;
+    uint32_t merge_tolerance_mm = 0, rate_distortion = layers::BuildOptions().rate_distortion;
     bool json = false;
 };
 
@@ -255,6 +255,7 @@ int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
     options.dress_seed = arguments.dress_seed;
     options.extract_relief = !arguments.no_extract_relief;
     options.merge_tolerance_mm = arguments.merge_tolerance_mm;
+    options.rate_distortion = arguments.rate_distortion;
     options.description = fmt::format(
         "layers={}{} ground={}{}{}", arguments.layers, arguments.lod.empty() ? "" : " lod=" + arguments.lod,
         arguments.ground, arguments.dress_seed ? fmt::format(" dress={}", *arguments.dress_seed) : std::string(),
@@ -338,6 +339,10 @@ void add_build_options(CLI::App& app, Arguments& arguments) {
     app.add_option("--merge-tolerance", arguments.merge_tolerance_mm,
                    "facade maps whose displacements differ by at most this many millimetres become one")
         ->check(CLI::Range(0, 1000))
+        ->capture_default_str();
+    app.add_option("--rate-distortion", arguments.rate_distortion,
+                   "squared error of pictures that a bit on the wire is worth: more for fewer bytes, 0 for none")
+        ->check(CLI::Range(0, 1 << 20))
         ->capture_default_str();
     app.add_flag("--json", arguments.json, "print the summary as JSON");
 }

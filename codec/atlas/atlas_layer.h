@@ -24,12 +24,18 @@ struct ChartImage {
 /// integer, deterministic.
 ChartImage downsample(const ChartImage& image);
 
+struct AtlasOptions {
+    /// Squared error that a bit on the wire is worth (bc1_rate.h, lambda): larger gives fewer bytes and coarser blocks.
+    /// Images (mips) of one block always keep their best one. 0: all blocks are the best that the encoder finds.
+    uint32_t rate_distortion = 0;
+};
+
 /// Encodes. No charts: one step of header words. Precondition (programming error): sizes in range, rgb of matching
 /// size. Step 0 holds the mips whose parts sum to at most 4 KiB (at least the coarsest), each later step one finer mip.
 /// A chart has mips down to 1 x 1; one whose mips end above the finest of step 0 repeats its 1 x 1 mip up to there, so
 /// that every prefix shows every chart. A step's error: the largest metres_per_texel over the charts at that mip
 /// (charts that already are at their finest count with their own).
-LayerSteps encode_atlas(std::span<const ChartImage> charts);
+LayerSteps encode_atlas(std::span<const ChartImage> charts, const AtlasOptions& options = {});
 
 /// A checked view of a prefix; nothing can be read outside the words afterwards.
 class AtlasLayerView {

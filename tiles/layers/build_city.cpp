@@ -115,7 +115,8 @@ class CityBuild {
         const auto dictionary = encode_facades(*numbers);
         if (!dictionary) return dictionary.error();
         Preview preview(objects_->extent(), images);
-        const TileWorkshop workshop{catalog_, images, facades, *numbers, options_.layers, tree->origin};
+        const TileWorkshop workshop{
+            catalog_, images, facades, *numbers, options_.layers, tree->origin, {options_.rate_distortion}};
         auto tiles = build_tiles(
             {options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, preview, made_up_ground});
         if (!tiles) return tiles.error();
@@ -170,6 +171,8 @@ class CityBuild {
         manifest_.facades = objects_->facades() - hidden_facades_;
         manifest_.facades_made_up = dresser_ && dresser_->report().facades > 0;
         manifest_.build_options = options_.description + (made_up_ground ? " ground=made-up" : "");
+        if (options_.rate_distortion > 0 && options_.layers[static_cast<size_t>(tileset::Layer::kAtlas)])
+            manifest_.build_options += fmt::format(" rate-distortion={}", options_.rate_distortion);
     }
 
     const BuildOptions& options_;

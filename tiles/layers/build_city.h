@@ -29,7 +29,11 @@ struct BuildOptions {
     std::optional<uint64_t> dress_seed;  ///< puts made-up facades on plain walls; part of the city from then on
     bool extract_relief = true;          ///< turns the geometry of detailed walls into facades
     uint32_t merge_tolerance_mm = 0;     ///< facade maps that differ by no more become one; 0: equal maps only
-    std::string description;             ///< of the options, for Manifest::build_options
+    /// Of pictures' blocks: AtlasOptions::rate_distortion. A generated city of 1,000 buildings along demo_path.csv
+    /// (PSNR, SSIM, FLIP against the reference; bytes of the flight): 0: 40.21 dB, 0.9912, 0.0243, 1.49 MB; 4: 40.15,
+    /// 0.9907, 0.0251, 1.20; 8: 40.05, 0.9900, 0.0269, 1.08; 16: 39.82, 0.9884, 0.0285, 0.95.
+    uint32_t rate_distortion = 4;
+    std::string description;  ///< of the options, for Manifest::build_options
     const std::atomic<bool>* cancel =
         nullptr;  ///< set to stop early: the build fails with "interrupted" and leaves nothing behind
     /// Called from one thread at a time.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace citystream::tiles::layers {
 namespace {
@@ -41,6 +42,23 @@ uint32_t halvings(const ChartImage& image, double texel, double wanted) {
            ((size >> level) > kGreatestChart || std::ldexp(texel, static_cast<int>(level)) < wanted / kCoarsestShare))
         ++level;
     return level;
+}
+
+codec::atlas::ContentHash hash_of(const ChartImage& image) {
+    std::vector<uint32_t> words((image.rgb.size() + 3) / 4, 0);
+    std::memcpy(words.data(), image.rgb.data(), image.rgb.size());
+    const uint32_t flags = (image.repeat_u ? 1U : 0U) | (image.repeat_v ? 2U : 0U);
+    return codec::atlas::content_hash({{image.width | image.height << 16, flags}, words});
+}
+
+bool is_one_texel(const ChartImage& image) {
+    return image.width == 1 && image.height == 1;
+}
+
+/// Whether two images show the same as charts.
+bool looks_equal(const ChartImage& a, const ChartImage& b) {
+    return a.width == b.width && a.height == b.height && a.repeat_u == b.repeat_u && a.repeat_v == b.repeat_v &&
+           a.rgb == b.rgb;
 }
 
 }  // namespace
@@ -167,10 +185,10 @@ uint32_t TileCharts::add_crop(const ChartImage& image, const Crop& crop, float t
     return add(std::move(chart));
 }
 
-ChartUse TileCharts::use(uint32_t object, const Paint& paint) const {
+ChartUse TileCharts::placed_use(uint32_t object, const Paint& paint) const {
     switch (paint.kind) {
         case PaintKind::kFlat:
-            return {flats_.at(paint.a), {}, {0, 0}};
+            return {flats_.at(paint.a), {}, {1, 1}};
         case PaintKind::kMaterial:
             return image_uses_.at({paint, object});
         case PaintKind::kFacade:
@@ -179,6 +197,16 @@ ChartUse TileCharts::use(uint32_t object, const Paint& paint) const {
             return {ground_pictures_.at(paint.a), {}, {1, 1}};
     }
     return {};
+}
+
+ChartUse TileCharts::use(uint32_t object, const Paint& paint) const {
+    const ChartUse placed = placed_use(object, paint);
+    return is_one_texel(charts_[placed.chart]) ? use_of_whole(placed.chart) : placed;
+}
+
+ChartUse TileCharts::use_of_whole(uint32_t chart) const {
+    // Where every coordinate shows the same, all are 0: they cost the mesh nothing.
+    return is_one_texel(charts_[chart]) ? ChartUse{chart, {}, {0, 0}} : ChartUse{chart, {}, {1, 1}};
 }
 
 uint32_t TileCharts::facade_picture(uint32_t map, uint32_t palette, double texel) {
@@ -207,13 +235,24 @@ uint32_t TileCharts::flat(const std::array<uint8_t, 3>& rgb) {
     const uint32_t key = Paint::flat(rgb).a;
     const auto found = flats_.find(key);
     if (found != flats_.end()) return found->second;
-    ChartImage chart{1, 1, false, false, 0, {rgb[0], rgb[1], rgb[2]}};
-    return flats_[key] = add(std::move(chart));
+    charts_.push_back({1, 1, false, false, 0, {rgb[0], rgb[1], rgb[2]}});
+    return flats_[key] = static_cast<uint32_t>(charts_.size() - 1);
 }
 
 uint32_t TileCharts::add(ChartImage image) {
+    if (const auto colour = codec::atlas::flat_colour(image.rgb)) return flat(*colour);
+    const codec::atlas::ContentHash hash = hash_of(image);
+    const auto [begin, end] = by_content_.equal_range(hash);
+    for (auto entry = begin; entry != end; ++entry) {
+        ChartImage& there = charts_[entry->second];
+        if (!looks_equal(there, image)) continue;
+        there.metres_per_texel = std::max(there.metres_per_texel, image.metres_per_texel);
+        return entry->second;
+    }
     charts_.push_back(std::move(image));
-    return static_cast<uint32_t>(charts_.size() - 1);
+    const auto index = static_cast<uint32_t>(charts_.size() - 1);
+    by_content_.emplace(hash, index);
+    return index;
 }
 
 }  // namespace citystream::tiles::layers

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "codec/atlas/chart_content.h"
 #include "tiles/layers/facade_painter.h"
 #include "tiles/quadtree/build_object.h"
 
@@ -37,6 +38,8 @@ class TileCharts {
 
     /// Chart of a paint of an object noted before.
     ChartUse use(uint32_t object, const quadtree::Paint& paint) const;
+    /// Of a chart that shows all of a picture.
+    ChartUse use_of_whole(uint32_t chart) const;
 
     /// Charts asked for by facades: made at once, once each.
     uint32_t facade_picture(uint32_t map, uint32_t palette, double texel);
@@ -64,7 +67,9 @@ class TileCharts {
     void settle_whole(const quadtree::Paint& paint, const ImagePaint& noted, const ChartImage& image, bool repeat,
                       float texel);
     void settle_crops(const quadtree::Paint& paint, const ImagePaint& noted, const ChartImage& image, float texel);
+    ChartUse placed_use(uint32_t object, const quadtree::Paint& paint) const;
     uint32_t add_crop(const ChartImage& image, const Crop& crop, float texel);
+    /// Index of a chart that shows this image: a new one, or what there is already where it is of one colour or equal.
     uint32_t add(ChartImage image);
 
     const city::CityCatalog& catalog_;
@@ -73,6 +78,7 @@ class TileCharts {
     double texel_, facade_texel_;
     double blur_ = 0;
     std::vector<ChartImage> charts_;
+    std::multimap<codec::atlas::ContentHash, uint32_t> by_content_;
     std::map<quadtree::Paint, ImagePaint> noted_;
     std::map<std::pair<quadtree::Paint, uint32_t>, ChartUse> image_uses_;
     std::map<uint32_t, uint32_t> flats_, facade_materials_, ground_pictures_;

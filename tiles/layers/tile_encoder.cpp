@@ -30,8 +30,10 @@ constexpr double kFinestFacadeTexel = 0.1, kCoarsestFacadeTexel = 0.8, kCoarsest
 
 void append_layer(EncodedTile& tile, Layer layer, const LayerSteps& steps) {
     std::vector<std::byte>& bytes = tile.bytes[static_cast<size_t>(layer)];
-    for (const LayerStep& step : steps) {
-        const std::vector<std::byte> frame = codec::encode_step(step.words, kStepLevel);
+    const auto frames = codec::encode_steps(steps, kStepLevel);
+    for (size_t i = 0; i < steps.size(); ++i) {
+        const LayerStep& step = steps[i];
+        const std::vector<std::byte>& frame = frames[i];
         bytes.insert(bytes.end(), frame.begin(), frame.end());
         tileset::StepRecord record;
         record.end = bytes.size();
@@ -168,9 +170,9 @@ class TileAssembly {
     /// leaves would take most of the atlas.)
     ChartUse stand_in_chart(const BuildFacade& facade, const FacadeFacts& facts) {
         if (wants(Layer::kFacade) && kReliefWeight * relief_ >= spec_.parent_error)
-            return {
-                charts_.flat(rounded_colour(workshop_.facades.mean_colour(facade.map, facade.palette))), {}, {0, 0}};
-        return {charts_.facade_picture(facade.map, facade.palette, picture_texel(facts)), {}, {1, 1}};
+            return charts_.use_of_whole(
+                charts_.flat(rounded_colour(workshop_.facades.mean_colour(facade.map, facade.palette))));
+        return charts_.use_of_whole(charts_.facade_picture(facade.map, facade.palette, picture_texel(facts)));
     }
 
     /// Metres a texel of a facade seen flat. Tiles with relief are drawn flat from where its error, which goes by the
@@ -231,7 +233,8 @@ class TileAssembly {
             }
             append_layer(tile, Layer::kFacade, codec::facade::encode_facades(facade_tile_));
         }
-        if (wants(Layer::kAtlas)) append_layer(tile, Layer::kAtlas, codec::atlas::encode_atlas(charts_.charts()));
+        if (wants(Layer::kAtlas))
+            append_layer(tile, Layer::kAtlas, codec::atlas::encode_atlas(charts_.charts(), workshop_.atlas));
     }
 
     const TileSpec& spec_;

@@ -24,6 +24,7 @@ struct TileWorkshop {
     const FacadeNumbers& numbers;  ///< of the maps in the dictionary
     std::array<bool, tileset::kLayerCount> layers = {true, true, true, false};
     GridPoint city_origin;
+    codec::atlas::AtlasOptions atlas = {};
 };
 
 struct TileSpec {

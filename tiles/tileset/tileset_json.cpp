@@ -215,7 +215,7 @@ Result<Manifest> parse_tileset_json(std::span<const std::byte> bytes) {
     const JsonFields root = document.object("root");
     read_tiling(root, manifest);
     const JsonFields extension = document.object("extensions").object(kExtensionName);
-    extension.integer("version", kExtensionVersion, kExtensionVersion);
+    extension.integer("version", kOldestExtensionVersion, kExtensionVersion);
     manifest.title = extension.text("title");
     manifest.build_options = extension.text("buildOptions");
     read_space(extension, manifest);

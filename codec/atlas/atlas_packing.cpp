@@ -1,0 +1,148 @@
+#include "codec/atlas/atlas_packing.h"
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "codec/atlas/atlas_layout.h"
+#include "codec/atlas/block_planes.h"
+
+namespace citystream::codec::atlas {
+
+namespace {
+
+constexpr uint32_t kMagic = 0x50415343;  // "CSAP"
+constexpr size_t kHeadWords = 2;         // magic, count of runs
+constexpr uint32_t kBlockWords = 2;
+
+/// Words of a table, and the blocks that follow them.
+struct Run {
+    uint64_t table = 0, blocks = 0;
+    uint64_t words() const { return table + kBlockWords * blocks; }
+};
+
+/// The runs of a step whose parts begin at `parts` (ascending word numbers in it): what is before the first part and
+/// each part's `charts` offsets are tables. Nothing where that does not come out even.
+std::optional<std::vector<Run>> runs_of(std::span<const uint64_t> parts, uint64_t charts, uint64_t word_count) {
+    std::vector<Run> runs;
+    uint64_t begin = 0;
+    for (size_t i = 0; i < parts.size(); ++i) {
+        const uint64_t end = i + 1 < parts.size() ? parts[i + 1] : word_count;
+        if (parts[i] < begin || charts > word_count - parts[i] || parts[i] + charts > end) return std::nullopt;
+        const uint64_t table = parts[i] + charts - begin, blocks = end - parts[i] - charts;
+        if (blocks % kBlockWords != 0) return std::nullopt;
+        runs.push_back({table, blocks / kBlockWords});
+        begin = end;
+    }
+    return runs;
+}
+
+std::optional<std::vector<Run>> runs_of_step(std::span<const uint32_t> step0, uint32_t step, uint64_t word_count) {
+    if (step0.size() < ATLAS_HEADER_WORDS || step0[ATLAS_WORD_MAGIC] != ATLAS_MAGIC) return std::nullopt;
+    const uint64_t charts = step0[ATLAS_WORD_CHART_COUNT], table = step0[ATLAS_WORD_MIP_TABLE];
+    const uint32_t mips = step0[ATLAS_WORD_MIP_COUNT], finest = step0[ATLAS_WORD_STEP0_MIP];
+    if (mips == 0 || mips > ATLAS_MAX_MIPS || finest >= mips || table + ATLAS_MAX_MIPS > step0.size() || step > finest)
+        return std::nullopt;
+    std::vector<uint64_t> parts;
+    if (step > 0) {
+        parts.push_back(0);
+    } else {
+        for (uint32_t mip = mips; mip-- > finest;) parts.push_back(step0[table + mip]);
+        for (const uint64_t part : parts) {
+            if (part > word_count) return std::nullopt;
+        }
+    }
+    return runs_of(parts, charts, word_count);
+}
+
+/// Copies the tables and the blocks of `words` one behind the other, or back.
+template <typename Words, typename Copy>
+void walk(std::span<const Run> runs, Words words, Copy copy) {
+    for (const Run& run : runs) {
+        copy(words.first(run.table), words.subspan(run.table, kBlockWords * run.blocks));
+        words = words.subspan(run.words());
+    }
+}
+
+Error error_at(const char* what, uint64_t byte) {
+    return Error{std::string("packed atlas step: ") + what, byte};
+}
+
+/// The runs that packed bytes name, which have to add up to `word_count` words and to all the bytes.
+Result<std::vector<Run>> read_runs(std::span<const std::byte> bytes, uint64_t word_count) {
+    uint32_t head[kHeadWords];
+    if (!is_packed_atlas(bytes) || bytes.size() < sizeof(head)) return error_at("wrong magic", 0);
+    std::memcpy(head, bytes.data(), sizeof(head));
+    const uint64_t count = head[1];
+    if (count > ATLAS_MAX_MIPS || bytes.size() < 4 * (kHeadWords + 2 * count))
+        return error_at("wrong count of runs", 4);
+    std::vector<Run> runs(count);
+    uint64_t sum = 0;
+    for (size_t i = 0; i < count; ++i) {
+        uint32_t pair[2];
+        std::memcpy(pair, bytes.data() + 4 * (kHeadWords + 2 * i), sizeof(pair));
+        runs[i] = {pair[0], pair[1]};
+        sum += runs[i].words();
+    }
+    if (sum != word_count) return error_at("runs of another size than the step", 4 * kHeadWords);
+    if (bytes.size() != 4 * (kHeadWords + 2 * count + word_count)) return error_at("wrong size", bytes.size());
+    return runs;
+}
+
+}  // namespace
+
+std::optional<std::vector<std::byte>> pack_atlas_step(std::span<const uint32_t> step0, uint32_t step,
+                                                      std::span<const uint32_t> words) {
+    const auto runs = runs_of_step(step0, step, words.size());
+    if (!runs) return std::nullopt;
+    std::vector<uint32_t> packed = {kMagic, static_cast<uint32_t>(runs->size())};
+    packed.reserve(kHeadWords + 2 * runs->size() + words.size());
+    for (const Run& run : *runs)
+        packed.insert(packed.end(), {static_cast<uint32_t>(run.table), static_cast<uint32_t>(run.blocks)});
+    std::vector<uint32_t> blocks;
+    blocks.reserve(words.size());
+    walk(std::span(*runs), words, [&](std::span<const uint32_t> table, std::span<const uint32_t> own) {
+        packed.insert(packed.end(), table.begin(), table.end());
+        blocks.insert(blocks.end(), own.begin(), own.end());
+    });
+    const size_t tables_end = packed.size();
+    packed.resize(tables_end + blocks.size());
+    split_block_planes(blocks, kBlockWords, std::span(packed).subspan(tables_end));
+    const auto bytes = std::as_bytes(std::span(packed));
+    return std::vector<std::byte>(bytes.begin(), bytes.end());
+}
+
+bool is_packed_atlas(std::span<const std::byte> bytes) {
+    uint32_t magic = 0;
+    if (bytes.size() < sizeof(magic)) return false;
+    std::memcpy(&magic, bytes.data(), sizeof(magic));
+    return magic == kMagic;
+}
+
+uint64_t most_packed_atlas_bytes(uint64_t words) {
+    return 4 * (kHeadWords + 2 * ATLAS_MAX_MIPS + words);
+}
+
+Result<std::vector<uint32_t>> unpack_atlas_step(std::span<const std::byte> bytes, uint64_t word_count) {
+    const auto runs = read_runs(bytes, word_count);
+    if (!runs) return runs.error();
+    std::vector<uint32_t> packed(word_count), words(word_count);
+    const size_t head = 4 * (kHeadWords + 2 * runs->size());
+    if (word_count > 0) std::memcpy(packed.data(), bytes.data() + head, 4 * word_count);
+    uint64_t tables = 0;
+    for (const Run& run : *runs) tables += run.table;
+    std::vector<uint32_t> blocks(word_count - tables);
+    join_block_planes(std::span(packed).subspan(tables), kBlockWords, blocks);
+    std::span<const uint32_t> next_table = packed, next_blocks = blocks;
+    const auto take = [](std::span<const uint32_t>& from, std::span<uint32_t> to) {
+        std::copy_n(from.begin(), to.size(), to.begin());
+        from = from.subspan(to.size());
+    };
+    walk(std::span(*runs), std::span(words), [&](std::span<uint32_t> table, std::span<uint32_t> own) {
+        take(next_table, table);
+        take(next_blocks, own);
+    });
+    return words;
+}
+
+}  // namespace citystream::codec::atlas
