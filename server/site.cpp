@@ -46,7 +46,9 @@ std::string_view content_type_of(std::string_view entry) {
 }
 
 CachePolicy cache_policy_of(std::string_view entry) {
-    if (entry.starts_with("tiles/") || entry == tiles::tileset::kFacadeMapsPath) return CachePolicy::kImmutable;
+    if (entry.starts_with("tiles/") || entry == tiles::tileset::kFacadeMapsPath ||
+        entry == tiles::tileset::kChartLevelsPath)
+        return CachePolicy::kImmutable;
     return CachePolicy::kRevalidate;
 }
 

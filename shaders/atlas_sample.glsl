@@ -8,28 +8,32 @@
 #include "shaders/bits.glsl"
 
 struct AtlasChart {
-    uint index;
-    uint size;       // width | height << 16, of mip 0
+    uvec2 atlas;      // the layer that holds it; 0: there is none, `size` is the one colour to show (r | g << 8 | b << 16)
+    uint finest_mip;  // that is resident
+    uint index;       // in that layer
+    uint size;        // width | height << 16, of mip 0
     uint flags;
     uint mip_table;  // word
 };
 
-AtlasChart atlas_chart(uvec2 atlas, uint index) {
+AtlasChart atlas_chart(uvec2 atlas, uint index, uint finest_mip) {
     uint entry = ATLAS_HEADER_WORDS + index * ATLAS_CHART_WORDS;
-    return AtlasChart(index, layer_word(atlas, entry + ATLAS_CHART_SIZE), layer_word(atlas, entry + ATLAS_CHART_FLAGS),
-                      layer_word(atlas, ATLAS_WORD_MIP_TABLE));
+    return AtlasChart(atlas, finest_mip, index, layer_word(atlas, entry + ATLAS_CHART_SIZE),
+                      layer_word(atlas, entry + ATLAS_CHART_FLAGS), layer_word(atlas, ATLAS_WORD_MIP_TABLE));
 }
 
-uint chart_mip_count(AtlasChart chart) { return chart.flags >> 8; }
+AtlasChart flat_chart(uint colour) { return AtlasChart(uvec2(0u), 0u, 0u, colour, 0u, 0u); }
+
+uint chart_mip_count(AtlasChart chart) { return chart.flags >> 8 & 0xffu; }
 
 ivec2 chart_mip_size(AtlasChart chart, uint mip) {
     return ivec2(max(1u, (chart.size & 0xffffu) >> mip), max(1u, (chart.size >> 16) >> mip));
 }
 
 // Word of the chart's first block in a mip.
-uint chart_blocks(uvec2 atlas, AtlasChart chart, uint mip) {
-    uint part = layer_word(atlas, chart.mip_table + mip);
-    return part + layer_word(atlas, part + chart.index);
+uint chart_blocks(AtlasChart chart, uint mip) {
+    uint part = layer_word(chart.atlas, chart.mip_table + mip);
+    return part + layer_word(chart.atlas, part + chart.index);
 }
 
 uvec2 load_block(uvec2 atlas, uint blocks, int blocks_across, ivec2 block) {
@@ -40,9 +44,9 @@ uvec2 load_block(uvec2 atlas, uint blocks, int blocks_across, ivec2 block) {
 ivec3 block_texel(uvec2 block, ivec2 texel) { return bc1_texel(block, uint((texel.y & 3) << 2 | texel.x & 3)); }
 
 // One texel (tests, and charts of one texel).
-ivec3 chart_texel(uvec2 atlas, AtlasChart chart, uint mip, ivec2 texel) {
+ivec3 chart_texel(AtlasChart chart, uint mip, ivec2 texel) {
     int across = (chart_mip_size(chart, mip).x + 3) >> 2;
-    return block_texel(load_block(atlas, chart_blocks(atlas, chart, mip), across, texel >> 2), texel);
+    return block_texel(load_block(chart.atlas, chart_blocks(chart, mip), across, texel >> 2), texel);
 }
 
 // The two texel columns (or rows) that a coordinate lies between, wrapped or clamped, and the weight of the second.
@@ -55,9 +59,10 @@ ivec2 neighbours(float coordinate, int size, bool repeat, out float weight) {
     return clamp(pair, 0, size - 1);
 }
 
-vec3 sample_mip(uvec2 atlas, AtlasChart chart, uint mip, vec2 uv) {
+vec3 sample_mip(AtlasChart chart, uint mip, vec2 uv) {
+    uvec2 atlas = chart.atlas;
     ivec2 size = chart_mip_size(chart, mip);
-    uint blocks = chart_blocks(atlas, chart, mip);
+    uint blocks = chart_blocks(chart, mip);
     if (size.x * size.y == 1) return vec3(bc1_texel(load_block(atlas, blocks, 1, ivec2(0)), 0u)) * (1.0 / 255.0);
     vec2 weight;
     ivec2 xs = neighbours(uv.x, size.x, (chart.flags & ATLAS_CHART_REPEAT_U) != 0u, weight.x);
@@ -79,18 +84,19 @@ vec3 sample_mip(uvec2 atlas, AtlasChart chart, uint mip, vec2 uv) {
 }
 
 // uv in repeats; dx, dy: its change from pixel to pixel. OpenGL's isotropic level of detail, clamped to the mips that are resident.
-vec3 sample_chart(uvec2 atlas, AtlasChart chart, uint finest_mip, vec2 uv, vec2 dx, vec2 dy) {
+vec3 sample_chart(AtlasChart chart, vec2 uv, vec2 dx, vec2 dy) {
+    if (chart.atlas == uvec2(0u)) return unpackUnorm4x8(chart.size).rgb;
     vec2 size = vec2(chart_mip_size(chart, 0u));
     vec2 across = dx * size;
     vec2 up = dy * size;
     float rho_squared = max(dot(across, across), dot(up, up));
     float last = float(chart_mip_count(chart)) - 1.0;
-    float lod = clamp(0.5 * log2(max(rho_squared, 1e-12)), min(float(finest_mip), last), last);
+    float lod = clamp(0.5 * log2(max(rho_squared, 1e-12)), min(float(chart.finest_mip), last), last);
     uint mip = uint(lod);
     float fraction = lod - float(mip);
-    vec3 colour = sample_mip(atlas, chart, mip, uv);
+    vec3 colour = sample_mip(chart, mip, uv);
     // Below one step of an 8-bit channel the second mip cannot be seen.
-    if (fraction > 1.0 / 256.0) colour = mix(colour, sample_mip(atlas, chart, mip + 1u, uv), fraction);
+    if (fraction > 1.0 / 256.0) colour = mix(colour, sample_mip(chart, mip + 1u, uv), fraction);
     return colour;
 }
 

@@ -15,12 +15,12 @@
 #endif
 
 #include "codec/facade/facade_layout.h"
-#include "shaders/atlas_sample.glsl"
 #include "shaders/draw_constants.glsl"
 #include "shaders/facade_cast.glsl"
 #include "shaders/facade_margin.glsl"
 #include "shaders/facade_samples.glsl"
 #include "shaders/lighting.glsl"
+#include "shaders/tile_chart.glsl"
 
 layout(location = 0) in vec3 place;
 layout(location = 1) flat in vec3 camera;
@@ -69,12 +69,12 @@ vec3 hit_normal(FacadeHit hit) {
 
 vec3 hit_texel(uint slot, vec2 at, vec2 dx, vec2 dy) {
     uvec2 facade = layer_reference(constants.tile.facade);
-    uint entry = palette + slot * FACADE_PALETTE_ENTRY_WORDS;
+    // The material of a ray that the device cut short is any number (facade_ray.glsl).
+    uint entry = palette + min(slot, uint(FACADE_PALETTE_SLOTS) - 1u) * FACADE_PALETTE_ENTRY_WORDS;
     float metres_per_repeat = uintBitsToFloat(layer_word(facade, entry + 1u));
     float repeats_per_texel = metres_per_repeat > 0.0 ? 0.01 / metres_per_repeat : 0.0;
-    uvec2 atlas = layer_reference(constants.tile.atlas);
-    return sample_chart(atlas, atlas_chart(atlas, layer_word(facade, entry)), constants.tile.atlas_finest_mip,
-                        at * repeats_per_texel, dx * repeats_per_texel, dy * repeats_per_texel);
+    return sample_chart(tile_chart(layer_word(facade, entry)), at * repeats_per_texel, dx * repeats_per_texel,
+                        dy * repeats_per_texel);
 }
 
 // Colour of a hit. `change_x`, `change_y`: how the ray changes over what the sample stands for.

@@ -17,6 +17,8 @@
 // along the break); at equal t a step in u goes first. Surfaces are compared by these functions alone (never by z at t), so that
 // neighbouring cells decide alike whatever is rounded; whole bands, stripes and blocks are passed where facade_passes(ray, t, until, highest)
 // says so. A stepper counts COUNT_STEP() per step and is bounded: after its most steps it answers facade_stuck(t, label).
+// A device may end a ray sooner (llvmpipe stops looping after 65,535 iterations of all loops of a fragment together), and a lane that is not
+// drawn holds anything: its material is then any number, and whoever indexes by it clamps it.
 // facade_cast.glsl chooses the stepper by renderer and by the map's form.
 #ifndef CITYSTREAM_FACADE_RAY_GLSL
 #define CITYSTREAM_FACADE_RAY_GLSL

@@ -10,7 +10,8 @@
 
 layout(location = 0) in vec3 normal;
 layout(location = 1) in vec2 texcoord;
-layout(location = 2) flat in uvec4 chart_words;
+layout(location = 2) flat in uvec3 chart_place;
+layout(location = 3) flat in uvec4 chart_words;
 
 layout(location = 0) out vec4 colour;
 
@@ -19,8 +20,9 @@ void main() {
     vec2 dy = dFdy(texcoord);
     vec3 texel = kUntexturedColour;
     if (has_atlas()) {
-        AtlasChart chart = AtlasChart(chart_words.x, chart_words.y, chart_words.z, chart_words.w);
-        texel = sample_chart(layer_reference(constants.tile.atlas), chart, constants.tile.atlas_finest_mip, texcoord, dx, dy);
+        AtlasChart chart =
+            AtlasChart(chart_place.xy, chart_place.z, chart_words.x, chart_words.y, chart_words.z, chart_words.w);
+        texel = sample_chart(chart, texcoord, dx, dy);
     }
     colour = lit(texel, normalize(normal));
 }

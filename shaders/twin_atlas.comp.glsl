@@ -10,9 +10,8 @@
 void main() {
     uint i = gl_GlobalInvocationID.x;
     if (i >= constants.count) return;
-    uvec2 atlas = layer_reference(constants.layer);
-    AtlasChart chart = atlas_chart(atlas, constants.first);
+    AtlasChart chart = atlas_chart(layer_reference(constants.layer), constants.first, constants.second);
     int width = chart_mip_size(chart, constants.second).x;
-    ivec3 texel = chart_texel(atlas, chart, constants.second, ivec2(int(i) % width, int(i) / width));
+    ivec3 texel = chart_texel(chart, constants.second, ivec2(int(i) % width, int(i) / width));
     twin_output().word[i] = uint(texel.r) | uint(texel.g) << 8 | uint(texel.b) << 16;
 }

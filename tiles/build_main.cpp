@@ -16,6 +16,7 @@
 
 #include "tiles/city/city_input.h"
 #include "tiles/city/generator.h"
+#include "tiles/city/generator_walls.h"
 #include "tiles/layers/build_city.h"
 #include "tiles/layers/inspect_city.h"
 
@@ -38,9 +39,11 @@ struct Arguments {
     std::string output, reference, report, lod, ground = "auto", memory = "2GiB", layers = "mesh,facade,atlas", archive;
     uint32_t jobs = 0;
     city::GeneratorOptions generator;
-    std::string origin = "0,0";
+    std::string origin = "0,0", saliency = codec::atlas::to_string(layers::BuildOptions().saliency);
+    std::vector<std::string> aerial;
     std::optional<uint64_t> dress_seed;
     bool no_extract_relief = false;
+    std::string shared_charts = layers::BuildOptions().shared_charts ? "on" : "off";
     uint32_t merge_tolerance_mm = 0, rate_distortion = layers::BuildOptions().rate_distortion;
     bool json = false;
 };
@@ -149,9 +152,30 @@ void print_defects(const city::CityReport& report) {
                report.defect_count > kDefectsShown ? " (all of them: --report FILE.json)" : "");
 }
 
-/// Facades that were added or found, as JSON; empty where there was nothing to do.
-nlohmann::json facade_work_json(const layers::BuildSummary& summary) {
+/// What was done to images, and facades that were added or found, as JSON; empty where there was nothing to do.
+nlohmann::json work_json(const layers::BuildSummary& summary) {
     nlohmann::json out = nlohmann::json::object();
+    if (summary.images) {
+        const layers::ImagePreparationReport& r = *summary.images;
+        out["images"] = {
+            {"count", r.images},
+            {"used", r.used},
+            {"failed", r.failed},
+            {"not_searched", r.not_searched},
+            {"decoded_pixels", r.decoded_pixels},
+            {"matched_pixels", r.matched_pixels},
+            {"prepared_pixels", r.prepared_pixels},
+            {"metric_calls", r.metric_calls},
+            {"stored_bytes", r.stored_bytes},
+            {"seconds", r.seconds},
+            {"thread_seconds",
+             {{"decode", r.decode_seconds},
+              {"match", r.match_seconds},
+              {"search", r.search_seconds},
+              {"store", r.store_seconds}}},
+            {"mpixel_per_second", r.seconds > 0 ? static_cast<double>(r.decoded_pixels) / 1e6 / r.seconds : 0},
+            {"peak_bytes", r.peak_bytes}};
+    }
     if (summary.dressing) {
         const layers::DressReport& r = *summary.dressing;
         out["dressing"] = {{"buildings", r.buildings},
@@ -189,6 +213,14 @@ nlohmann::json facade_work_json(const layers::BuildSummary& summary) {
     return out;
 }
 
+void print_images(const layers::BuildSummary& summary) {
+    if (!summary.images || summary.images->used == 0) return;
+    const layers::ImagePreparationReport& r = *summary.images;
+    const auto mega = [](uint64_t pixels) { return static_cast<double>(pixels) / 1e6; };
+    fmt::print("  images   {:>12} of {} shown; {:.1f} Mpixel read, {:.1f} as fine as seen, {:.1f} kept; {:.1f} s\n",
+               r.used, r.images, mega(r.decoded_pixels), mega(r.matched_pixels), mega(r.prepared_pixels), r.seconds);
+}
+
 void print_facade_work(const layers::BuildSummary& summary) {
     if (summary.dressing) {
         const layers::DressReport& r = *summary.dressing;
@@ -213,7 +245,7 @@ void print_summary(const layers::BuildSummary& summary, const Arguments& argumen
         out["peak_memory_bytes"] = summary.peak_memory_bytes;
         out["defect_count"] = summary.report.defect_count;
         out["dropped_features"] = summary.report.dropped_features.size();
-        out.update(facade_work_json(summary));
+        out.update(work_json(summary));
         fmt::print("{}\n", out.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
         return;
     }
@@ -224,7 +256,12 @@ void print_summary(const layers::BuildSummary& summary, const Arguments& argumen
         fmt::print("  {:<8} {:>12} bytes on the wire, {:>12} decoded\n", tileset::kLayerNames[layer],
                    m.wire_bytes[layer], m.decoded_bytes[layer]);
     }
+    print_images(summary);
     print_facade_work(summary);
+    if (m.shared_chart_count > 0) {
+        fmt::print("  charts   {:>12} bytes of {} that tiles share\n", m.chart_index_bytes + m.chart_levels_bytes,
+                   m.shared_chart_count);
+    }
     fmt::print("  archive  {:>12} bytes; {:.1f} s; peak memory {} MiB\n", summary.archive_bytes, summary.seconds,
                summary.peak_memory_bytes >> 20);
     if (summary.report.defect_count == 0) fmt::print("  nothing was skipped\n");
@@ -246,16 +283,28 @@ int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
                                 : "--origin (X,Y)");
         return kWrongUsage;
     }
+    const auto saliency = codec::atlas::parse_metric(arguments.saliency);
+    if (!saliency) {
+        fmt::print(stderr, "citystream-build: wrong value of --saliency: {}\n", saliency.error().text());
+        return kWrongUsage;
+    }
     options.output = arguments.output;
     options.reference = arguments.reference;
     options.layers = *layer_set;
     options.jobs = arguments.jobs;
     options.memory_limit = *memory;
     options.auto_ground = arguments.ground == "auto";
+    for (const std::string& text : arguments.aerial) {
+        auto image = layers::open_aerial(text);
+        if (!image) return fail(image.error().text());
+        options.aerial.push_back(std::move(image).value());
+    }
     options.dress_seed = arguments.dress_seed;
-    options.extract_relief = !arguments.no_extract_relief;
+    options.extract_relief = !arguments.no_extract_relief && arguments.generator.textures == 0;
     options.merge_tolerance_mm = arguments.merge_tolerance_mm;
     options.rate_distortion = arguments.rate_distortion;
+    options.saliency = *saliency;
+    options.shared_charts = arguments.shared_charts == "on";
     options.description = fmt::format(
         "layers={}{} ground={}{}{}", arguments.layers, arguments.lod.empty() ? "" : " lod=" + arguments.lod,
         arguments.ground, arguments.dress_seed ? fmt::format(" dress={}", *arguments.dress_seed) : std::string(),
@@ -332,6 +381,10 @@ void add_build_options(CLI::App& app, Arguments& arguments) {
     app.add_option("--ground", arguments.ground, "auto: a flat ground where the input has none")
         ->check(CLI::IsMember({"auto", "none"}))
         ->capture_default_str();
+    app.add_option("--aerial", arguments.aerial,
+                   "IMAGE with a world file beside it, or IMAGE,XMIN,YMIN,XMAX,YMAX: an aerial photograph over ground "
+                   "without texture; repeatable")
+        ->allow_extra_args(false);
     app.add_option("--dress", arguments.dress_seed,
                    "put made-up facades on plain walls of buildings, from this seed (says so in the archive)");
     app.add_flag("--no-extract-relief", arguments.no_extract_relief,
@@ -343,6 +396,14 @@ void add_build_options(CLI::App& app, Arguments& arguments) {
     app.add_option("--rate-distortion", arguments.rate_distortion,
                    "squared error of pictures that a bit on the wire is worth: more for fewer bytes, 0 for none")
         ->check(CLI::Range(0, 1 << 20))
+        ->capture_default_str();
+    app.add_option("--shared-charts", arguments.shared_charts,
+                   "on: pictures that several tiles show are stored once where that is smaller")
+        ->check(CLI::IsMember({"on", "off"}))
+        ->capture_default_str();
+    app.add_option("--saliency", arguments.saliency,
+                   "how much images may lose to become smaller, METRIC:TOLERANCE or none: rmse, nrmse, tm, mannos, "
+                   "daly, ahumada, hvse, flip (largest error) or ssim (least similarity)")
         ->capture_default_str();
     app.add_flag("--json", arguments.json, "print the summary as JSON");
 }
@@ -372,6 +433,11 @@ int main(int argc, char** argv) {
     CLI::App* generate = app.add_subcommand("generate", "build a procedural city from a seed");
     generate->add_option("--buildings", arguments.generator.buildings, "how many")->capture_default_str();
     generate->add_option("--seed", arguments.generator.seed, "same seed, same city")->capture_default_str();
+    generate
+        ->add_option("--textures", arguments.generator.textures,
+                     "flat walls with this many distinct textures instead of facades with relief; 0 or 56 and more")
+        ->check(CLI::IsMember({0U}) | CLI::Range(city::procedural::kLeastTextures, 100'000'000U))
+        ->capture_default_str();
     generate->add_option("--origin", arguments.origin, "X,Y: metres added to every position")->capture_default_str();
     add_build_options(*generate, arguments);
     CLI::App* show = app.add_subcommand("info", "what an archive holds");

@@ -1,5 +1,6 @@
 #include "client/cache/directory_pool.h"
 
+#include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/facade_index.h"
 
 namespace citystream::client {
@@ -38,6 +39,12 @@ Result<DirectoryPool::SharedMaps> DirectoryPool::facade_maps(std::span<const std
                                                              const tiles::tileset::Manifest& manifest) {
     const uint64_t key = tiles::tileset::checksum_of(index.data(), index.size());
     return shared(mutex_, maps_, key, [&] { return tiles::tileset::parse_facade_index(index, manifest); });
+}
+
+Result<DirectoryPool::SharedCharts> DirectoryPool::shared_charts(std::span<const std::byte> index,
+                                                                 const tiles::tileset::Manifest& manifest) {
+    const uint64_t key = tiles::tileset::checksum_of(index.data(), index.size());
+    return shared(mutex_, charts_, key, [&] { return tiles::tileset::parse_chart_index(index, manifest); });
 }
 
 uint64_t host_bytes_of(const tiles::tileset::Subtree& subtree) {

@@ -1,5 +1,7 @@
 #include "client/cache/layer_cache.h"
 
+#include <bit>
+
 namespace citystream::client {
 
 namespace {
@@ -8,8 +10,8 @@ bool is_map(CacheKey key) {
     return (key & 7) == 7;
 }
 
-uint32_t map_level(CacheKey key) {
-    return level_of(piece_of(key));
+bool is_chart(CacheKey key) {
+    return (key & 7) == 6;
 }
 
 }  // namespace
@@ -36,7 +38,7 @@ CachedLayer* LayerCache::find(CacheKey key) {
 void LayerCache::need(CachedLayer& layer) {
     layer.needed_by = selection_;
     if (layer.id != kNoLayer) store_order_.splice(store_order_.begin(), store_order_, layer.in_store);
-    if (layer.wire_steps > 0) wire_order_.splice(wire_order_.begin(), wire_order_, layer.in_wire);
+    if (layer.wire_held != 0) wire_order_.splice(wire_order_.begin(), wire_order_, layer.in_wire);
 }
 
 bool LayerCache::free_slots(uint64_t slots) {
@@ -69,33 +71,51 @@ bool LayerCache::free_host(uint64_t bytes) {
 }
 
 void LayerCache::add_wire(CachedLayer& layer, std::vector<std::byte> bytes, bool keep) {
-    if (layer.wire_steps == 0) layer.in_wire = wire_order_.insert(wire_order_.begin(), &layer);
-    layer.wire_sizes.push_back(bytes.size());
+    put_wire(layer, layer.wire_steps, std::move(bytes), keep);
+}
+
+void LayerCache::put_wire(CachedLayer& layer, uint32_t step, std::vector<std::byte> bytes, bool keep) {
+    if (layer.wire_held == 0) layer.in_wire = wire_order_.insert(wire_order_.begin(), &layer);
+    if (layer.wire_sizes.size() <= step) layer.wire_sizes.resize(step + 1);
+    layer.wire_sizes[step] = bytes.size();
     layer.wire_bytes += bytes.size();
     host_.wire += bytes.size();
-    ++layer.wire_steps;
+    layer.wire_held |= 1u << step;
+    layer.wire_steps = static_cast<uint32_t>(std::countr_one(layer.wire_held));
     bytes.shrink_to_fit();
-    if (keep) layer.wire.push_back(std::move(bytes));
+    if (keep) {
+        if (layer.wire.size() <= step) layer.wire.resize(step + 1);
+        layer.wire[step] = std::move(bytes);
+    }
     host_.note_peak();
 }
 
+void LayerCache::drop_wire_step(CachedLayer& layer, uint32_t step) {
+    if ((layer.wire_held >> step & 1) == 0) return;
+    layer.wire_bytes -= layer.wire_sizes[step];
+    host_.wire -= layer.wire_sizes[step];
+    layer.wire_sizes[step] = 0;
+    if (step < layer.wire.size()) layer.wire[step] = {};
+    layer.wire_held &= ~(1u << step);
+    layer.wire_steps = static_cast<uint32_t>(std::countr_one(layer.wire_held));
+    if (layer.wire_held == 0) wire_order_.erase(layer.in_wire);
+}
+
 void LayerCache::drop_wire_from(CachedLayer& layer, uint32_t step) {
-    if (layer.wire_steps <= step) return;
-    while (layer.wire_steps > step) {
-        layer.wire_bytes -= layer.wire_sizes.back();
-        host_.wire -= layer.wire_sizes.back();
-        layer.wire_sizes.pop_back();
-        if (!layer.wire.empty()) layer.wire.pop_back();
-        --layer.wire_steps;
-    }
-    if (step == 0) wire_order_.erase(layer.in_wire);
+    for (auto at = static_cast<uint32_t>(std::bit_width(layer.wire_held)); at-- > step;) drop_wire_step(layer, at);
+}
+
+void LayerCache::count_in_store(CacheKey key, bool comes) {
+    const uint64_t change = comes ? 1 : ~uint64_t{0};
+    if (is_map(key)) maps_in_store_[level_of(piece_of(key))] += change;
+    if (is_chart(key)) charts_in_store_ += change;
 }
 
 Status LayerCache::append_piece(CachedLayer& layer, std::span<const uint32_t> words) {
     if (layer.id == kNoLayer) {
         layer.id = store_.create();
         layer.in_store = store_order_.insert(store_order_.begin(), &layer);
-        if (is_map(layer.key)) ++maps_in_store_[map_level(layer.key)];
+        count_in_store(layer.key, true);
     }
     const Status appended = store_.append(layer.id, words);
     if (!appended) {
@@ -129,7 +149,7 @@ void LayerCache::drop_store(CachedLayer& layer) {
     if (layer.id == kNoLayer) return;
     store_.destroy(layer.id);
     store_order_.erase(layer.in_store);
-    if (is_map(layer.key)) --maps_in_store_[map_level(layer.key)];
+    count_in_store(layer.key, false);
     slots_used_ -= store_.slots_for(layer.store_bytes);
     layer.id = kNoLayer;
     layer.store_steps = 0;

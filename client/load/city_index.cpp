@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "codec/grid.h"
+#include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/facade_index.h"
 #include "tiles/tileset/tileset_json.h"
 
@@ -43,8 +44,9 @@ std::optional<TileAddress> address_in_path(std::string_view path, std::string_vi
 
 void CityIndex::learn(const std::string& path, std::span<const std::byte> bytes) {
     const auto subtree = address_in_path(path, "subtrees");
-    const bool tileset = path == tiles::tileset::kTilesetPath, facades = path == tiles::tileset::kFacadeIndexPath;
-    if (!subtree && !tileset && !facades) return;
+    const bool tileset = path == tiles::tileset::kTilesetPath, facades = path == tiles::tileset::kFacadeIndexPath,
+               charts = path == tiles::tileset::kChartIndexPath;
+    if (!subtree && !tileset && !facades && !charts) return;
     const std::unique_lock lock(mutex_);
     if (known_paths_.contains(path)) return;
     if (tileset) {
@@ -55,6 +57,10 @@ void CityIndex::learn(const std::string& path, std::span<const std::byte> bytes)
         return;
     } else if (subtree) {
         learn_subtree(*subtree, bytes);
+    } else if (charts) {
+        auto records = tiles::tileset::parse_chart_index(bytes, *manifest_);
+        if (!records) return;
+        charts_.learn(std::move(*records));
     } else {
         auto maps = tiles::tileset::parse_facade_index(bytes, *manifest_);
         if (!maps) return;
@@ -87,6 +93,11 @@ const TileRecord* CityIndex::find(const TileDraw& draw) const {
 uint64_t CityIndex::map_bytes(MapPiece piece) const {
     const std::shared_lock lock(mutex_);
     return map_of(piece) < dictionary_.size() ? dictionary_.wire_bytes(piece) : 0;
+}
+
+uint64_t CityIndex::chart_bytes(const ChartPrefix& prefix) const {
+    const std::shared_lock lock(mutex_);
+    return prefix.chart < charts_.size() ? charts_.wire_bytes(prefix) : 0;
 }
 
 }  // namespace citystream::client

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "client/render/frame.h"
+#include "client/select/chart_dictionary.h"
 #include "client/select/facade_dictionary.h"
 #include "tiles/tileset/directory.h"
 #include "tiles/tileset/subtree.h"
@@ -28,7 +29,7 @@ std::optional<tiles::tileset::TileAddress> address_in_path(std::string_view path
 /// Shared by all clients of a run: thread-safe. Records stay where they are once learnt.
 class CityIndex {
   public:
-    /// Learns from a received piece of the directory (tileset.json, a subtree, the facade index); others and repeated
+    /// Learns from a received piece of the directory (tileset.json, a subtree, an index); others and repeated
     /// ones are ignored.
     void learn(const std::string& path, std::span<const std::byte> bytes);
     /// The record of the tile that is drawn, or null. A draw names no address, so it is found by its origin and the
@@ -36,6 +37,8 @@ class CityIndex {
     const tiles::tileset::TileRecord* find(const TileDraw& draw) const;
     /// Wire bytes of a level of a facade map; 0 when the facade index is not known.
     uint64_t map_bytes(MapPiece piece) const;
+    /// Wire bytes of a prefix of a shared chart; 0 when the chart index is not known.
+    uint64_t chart_bytes(const ChartPrefix& prefix) const;
 
   private:
     using Origin = std::tuple<int64_t, int64_t, int64_t>;
@@ -47,6 +50,7 @@ class CityIndex {
     std::list<tiles::tileset::Subtree> subtrees_;
     std::map<Origin, std::vector<const tiles::tileset::TileRecord*>> by_origin_;
     FacadeDictionary dictionary_;
+    ChartDictionary charts_;
 };
 
 }  // namespace citystream::client

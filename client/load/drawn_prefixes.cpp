@@ -20,6 +20,18 @@ void DrawnPrefixes::credit(const TileRecord& record, Layer layer, uint64_t decod
     before = wire;
 }
 
+void DrawnPrefixes::credit_charts(const TileDraw& draw, Shown& shown) {
+    shown.charts.clear();
+    for (const SharedChartBinding& binding : draw.shared_charts) {
+        shown.charts.push_back({binding.chart, binding.levels});
+        const uint64_t wire = index_.chart_bytes(shown.charts.back());
+        uint64_t& before = chart_bytes_[binding.chart];
+        if (wire <= before) continue;
+        bytes_ += wire - before;
+        before = wire;
+    }
+}
+
 void DrawnPrefixes::credit_draw(const TileDraw& draw, Shown& shown) {
     shown.mesh_steps = draw.mesh_step_words.size();
     uint64_t mesh_words = 0;
@@ -29,6 +41,7 @@ void DrawnPrefixes::credit_draw(const TileDraw& draw, Shown& shown) {
         shown.atlas_bytes = store_.bytes_of(draw.atlas);
         credit(*shown.record, Layer::kAtlas, shown.atlas_bytes);
     }
+    credit_charts(draw, shown);
     if (draw.facade == kNoLayer) return;
     shown.facade = draw.facade;
     credit(*shown.record, Layer::kFacade, store_.bytes_of(draw.facade));
@@ -43,6 +56,12 @@ void DrawnPrefixes::credit_draw(const TileDraw& draw, Shown& shown) {
 bool DrawnPrefixes::has_grown(const TileDraw& draw, const Shown& shown) const {
     const bool same_atlas = draw.atlas == kNoLayer || shown.atlas_bytes == store_.bytes_of(draw.atlas);
     if (shown.mesh_steps != draw.mesh_step_words.size() || shown.facade != draw.facade || !same_atlas) return true;
+    const bool same_charts =
+        std::equal(draw.shared_charts.begin(), draw.shared_charts.end(), shown.charts.begin(), shown.charts.end(),
+                   [](const SharedChartBinding& binding, const ChartPrefix& was) {
+                       return binding.chart == was.chart && binding.levels == was.levels;
+                   });
+    if (!same_charts) return true;
     return draw.facade != kNoLayer &&
            !std::equal(draw.facade_maps.begin(), draw.facade_maps.end(), shown.maps.begin(), shown.maps.end(),
                        [](const FacadeMapBinding& binding, LayerId layer) { return binding.layer == layer; });

@@ -25,7 +25,8 @@ class DrawnPrefixes {
     void note(const std::vector<TileDraw>& draws,
               const std::function<void(tiles::tileset::TileAddress, bool appeared)>& on_tile);
 
-    /// Sum over all layers of the longest prefix ever drawn, and of all levels of facade maps ever drawn.
+    /// Sum over all layers and shared charts of the longest prefix ever drawn, and of all levels of facade maps ever
+    /// drawn.
     uint64_t bytes() const { return bytes_; }
 
   private:
@@ -34,9 +35,11 @@ class DrawnPrefixes {
         size_t mesh_steps = 0;
         uint64_t atlas_bytes = 0;
         LayerId facade = kNoLayer;
-        std::vector<LayerId> maps;  ///< as bound last
+        std::vector<LayerId> maps;        ///< as bound last
+        std::vector<ChartPrefix> charts;  ///< in the order of the draw's
     };
     void credit(const tiles::tileset::TileRecord& record, tiles::tileset::Layer layer, uint64_t decoded_bytes);
+    void credit_charts(const TileDraw& draw, Shown& shown);
     void credit_draw(const TileDraw& draw, Shown& shown);
     bool has_grown(const TileDraw& draw, const Shown& shown) const;
 
@@ -45,6 +48,7 @@ class DrawnPrefixes {
     std::unordered_map<LayerId, Shown> shown_;  ///< by mesh
     std::map<tiles::tileset::TileAddress, std::array<uint64_t, tiles::tileset::kLayerCount>> credited_;
     std::set<MapPiece> pieces_;
+    std::unordered_map<uint32_t, uint64_t> chart_bytes_;  ///< by number: of the longest prefix drawn
     uint64_t bytes_ = 0;
 };
 

@@ -95,7 +95,8 @@ void LoadClient::on_result(const FetchRequest& request, LoadClock::time_point in
     }
     ++measurements_->answers;
     if (streamer_) measurements_->service.record(seconds(result.seconds));
-    const bool directory = !tile && request.path != tiles::tileset::kFacadeMapsPath;
+    const bool directory =
+        !tile && request.path != tiles::tileset::kFacadeMapsPath && request.path != tiles::tileset::kChartLevelsPath;
     (directory ? measurements_->directory_bytes : measurements_->layer_bytes) += result.bytes->size();
     if (directory) index_.learn(request.path, *result.bytes);
 }

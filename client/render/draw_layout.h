@@ -13,6 +13,8 @@ using uint = uint32_t;
 /* Low bit of a layer reference: set, the rest is the address of the layer's first word and all its words follow;
    clear, it is the address of a page table (one 64-bit slot address every 2^SLOT_WORDS_LOG2 words). */
 #define LAYER_REF_DIRECT 1u
+/* Number of the specialization constant (bool): all layers of the draws are in one piece, read without asking. */
+#define DIRECT_LAYERS_CONSTANT 0
 #define DRAW_MESH_STEPS 4
 
 /* Of a frame. Directions are the camera's axes, scaled so that clip.xyw = row * p and clip.z = near_plane (reversed z,
@@ -36,6 +38,14 @@ struct TileConstants {
     uint atlas_finest_mip;
     uint mesh_steps;
     uint mesh_step_begin[DRAW_MESH_STEPS]; /* words */
+    uint shared_charts[2]; /* address of one SharedChartEntry for each chart of the tile; 0: it names no shared ones */
+};
+
+/* Of a chart of the tile that lies in the city's dictionary. */
+struct SharedChartEntry {
+    uint layer[2];   /* 0: not there */
+    uint finest_mip; /* that may be shown */
+    uint colour;     /* r | g << 8 | b << 16: what is shown instead */
 };
 
 struct FacadeTableHead {
@@ -70,9 +80,9 @@ struct FilterConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameConstants) == 52 && sizeof(TileConstants) == 68);
-static_assert(sizeof(FacadeTableHead) == 32 && sizeof(FacadeMapEntry) == 24 && sizeof(DrawConstants) == 120 &&
-              sizeof(FilterConstants) == 32);
+static_assert(sizeof(FrameConstants) == 52 && sizeof(TileConstants) == 76);
+static_assert(sizeof(FacadeTableHead) == 32 && sizeof(FacadeMapEntry) == 24 && sizeof(DrawConstants) == 128 &&
+              sizeof(FilterConstants) == 32 && sizeof(SharedChartEntry) == 16);
 }  // namespace citystream::client
 #endif
 

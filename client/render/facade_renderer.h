@@ -31,11 +31,6 @@ inline constexpr std::array<FacadeRenderer, 8> kFacadeRenderers = {
 inline constexpr std::array<uint32_t, 3> kFacadeSampleCounts = {1, FACADE_SAMPLES, FACADE_MOST_SAMPLES};
 /// Where nothing is asked for: one ray through the pixel's centre, as triangles are sampled here and by the reference.
 inline constexpr uint32_t kFacadeSamples = 1;
-/// Rays that a renderer casts at most where so many are asked for: one on singular value factors, whose rays load
-/// hundreds of words each. (With several a pixel, flights on llvmpipe of Mesa 25.0 crashed.)
-constexpr uint32_t facade_samples_of(FacadeRenderer renderer, uint32_t asked) {
-    return renderer == FacadeRenderer::kCrm || renderer == FacadeRenderer::kCfdm ? 1 : asked;
-}
 std::vector<std::string> facade_sample_names();
 std::optional<uint32_t> facade_samples_named(std::string_view name);
 

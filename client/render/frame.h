@@ -18,6 +18,16 @@ struct FacadeMapBinding {
     uint32_t level = 0;  ///< of the map, 0 the coarsest
 };
 
+/// A chart of a tile that lies in the city's dictionary.
+struct SharedChartBinding {
+    uint32_t chart_in_tile = 0;
+    uint32_t chart = 0;        ///< number in the dictionary
+    LayerId layer = kNoLayer;  ///< kNoLayer: `colour` is shown
+    uint32_t finest_mip = 0;   ///< that may be shown
+    uint32_t levels = 0;       ///< that hold it
+    uint32_t colour = 0;       ///< r | g << 8 | b << 16
+};
+
 /// One tile to draw, with the prefixes that are resident.
 struct TileDraw {
     std::array<double, 3> origin{};  ///< metres, absolute: what tile-relative positions count from
@@ -27,6 +37,8 @@ struct TileDraw {
     uint32_t mesh_dressed_begin = 0;
     LayerId atlas = kNoLayer;  ///< kNoLayer: flat grey
     uint32_t atlas_finest_mip = 0;
+    uint32_t chart_count = 0;                       ///< of the atlas; where it names shared charts
+    std::vector<SharedChartBinding> shared_charts;  ///< all that the atlas names
     LayerId facade = kNoLayer;  ///< when set, dressed triangles are not drawn; placements are ray cast instead
     std::vector<FacadeMapBinding> facade_maps;
     std::vector<uint32_t> map_of_placement;  ///< index in facade_maps, of every placement of the layer

@@ -50,6 +50,7 @@ uint64_t FrameTables::bound(const SlotPool& pool, std::span<const TileDraw> tile
     for (const TileDraw& tile : tiles) {
         words += (sizeof(FacadeTableHead) + tile.facade_maps.size() * sizeof(FacadeMapEntry)) / 4 +
                  tile.map_of_placement.size() + 4;
+        if (!tile.shared_charts.empty()) words += tile.chart_count * sizeof(SharedChartEntry) / 4 + 1;
     }
     return words + pool.slots_used * 2 + pool.layers.size() * 2;
 }
@@ -73,6 +74,7 @@ Status FrameTables::refer(LayerId id, uint out[2]) {
         split_address(slot_address(pool_, layer.slots[0]) | LAYER_REF_DIRECT, out);
         return Done{};
     }
+    is_direct_ = false;
     auto [found, fresh] = references_.try_emplace(id, 0);
     if (fresh) {
         std::vector<VkDeviceAddress> pages(layer.slots.size());
@@ -80,6 +82,19 @@ Status FrameTables::refer(LayerId id, uint out[2]) {
         found->second = append(pages.data(), pages.size() * sizeof pages[0]);
     }
     split_address(found->second, out);
+    return Done{};
+}
+
+Status FrameTables::add_shared_charts(const TileDraw& tile, TileConstants& constants) {
+    std::vector<SharedChartEntry> charts(tile.chart_count);
+    for (const SharedChartBinding& binding : tile.shared_charts) {
+        if (binding.chart_in_tile >= charts.size()) return Error{"a shared chart that the tile does not have"};
+        SharedChartEntry& entry = charts[binding.chart_in_tile];
+        if (Status status = refer(binding.layer, entry.layer); !status) return status.error();
+        entry.finest_mip = binding.finest_mip;
+        entry.colour = binding.colour;
+    }
+    split_address(append(charts.data(), charts.size() * sizeof(SharedChartEntry)), constants.shared_charts);
     return Done{};
 }
 
@@ -104,11 +119,15 @@ Status FrameTables::add_facades(const TileDraw& tile, TileConstants& constants) 
 
 Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCell& camera) {
     TileConstants constants{};
+    is_direct_ = true;
     if (Status status = refer(tile.mesh, constants.mesh); !status) return status.error();
     if (Status status = refer(tile.atlas, constants.atlas); !status) return status.error();
     if (Status status = refer(tile.facade, constants.facade); !status) return status.error();
     if (tile.facade != kNoLayer) {
         if (Status status = add_facades(tile, constants); !status) return status.error();
+    }
+    if (!tile.shared_charts.empty()) {
+        if (Status status = add_shared_charts(tile, constants); !status) return status.error();
     }
     constants.atlas_finest_mip = tile.atlas_finest_mip;
     for (size_t i = 0; i < 3; ++i) {

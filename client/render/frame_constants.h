@@ -33,9 +33,11 @@ class FrameTables {
                 const FacadeTableHead& head)
         : pool_(pool), base_(base), facts_(facts), head_(head) {}
 
-    /// Fails when a layer that the tile names does not live, a placement shows none of its maps, or when the tile is
-    /// too far away for 32-bit grid units (1,000 km).
+    /// Fails when a layer that the tile names does not live, a placement shows none of its maps, a shared chart is none
+    /// of the tile's, or when the tile is too far away for 32-bit grid units (1,000 km).
     Result<TileConstants> add_tile(const TileDraw& tile, const CameraCell& camera);
+    /// Whether every layer that the tile added last names lies in one piece.
+    bool is_direct() const { return is_direct_; }
     std::span<const uint32_t> words() const { return words_; }
 
     /// Upper bound of the words that `tiles` take.
@@ -44,6 +46,7 @@ class FrameTables {
   private:
     VkDeviceAddress append(const void* table, size_t bytes);
     Status refer(LayerId layer, uint out[2]);
+    Status add_shared_charts(const TileDraw& tile, TileConstants& constants);
     Status add_facades(const TileDraw& tile, TileConstants& constants);
 
     const SlotPool& pool_;
@@ -51,6 +54,7 @@ class FrameTables {
     std::span<const FacadeMapFacts> facts_;
     FacadeTableHead head_;
     std::vector<uint32_t> words_;
+    bool is_direct_ = true;
     std::unordered_map<LayerId, VkDeviceAddress> references_;
 };
 

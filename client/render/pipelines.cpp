@@ -32,11 +32,18 @@ VkPipelineLayout create_layout(const Device& device, VkShaderStageFlags stages, 
     return layout;
 }
 
-VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module) {
+// The constants of shaders/words.glsl for pipelines whose layers all lie in one piece.
+constexpr VkBool32 kDirectLayers = VK_TRUE;
+constexpr VkSpecializationMapEntry kDirectEntry{DIRECT_LAYERS_CONSTANT, 0, sizeof kDirectLayers};
+constexpr VkSpecializationInfo kDirectConstants{1, &kDirectEntry, sizeof kDirectLayers, &kDirectLayers};
+
+VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module,
+                                           LayerReading reading = LayerReading::kPaged) {
     auto info = vk_struct<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
     info.stage = stage;
     info.module = module;
     info.pName = "main";
+    if (reading == LayerReading::kDirect) info.pSpecializationInfo = &kDirectConstants;
     return info;
 }
 
@@ -101,7 +108,7 @@ VkPipeline create_graphics_pipeline(const Device& device, VkRenderPass pass, VkP
 
 // `fragment` empty: depth only.
 Pass create_drawing_pass(const Device& device, VkRenderPass render_pass, std::span<const uint32_t> vertex,
-                         std::span<const uint32_t> fragment, Writes writes = {},
+                         std::span<const uint32_t> fragment, LayerReading reading, Writes writes = {},
                          uint32_t constant_bytes = sizeof(DrawConstants)) {
     Pass pass;
     std::array<VkShaderModule, 2> modules{};
@@ -112,7 +119,8 @@ Pass create_drawing_pass(const Device& device, VkRenderPass render_pass, std::sp
         modules[0] = create_module(device, vertex);
         if (!fragment.empty()) modules[1] = create_module(device, fragment);
         const std::array<VkPipelineShaderStageCreateInfo, 2> stages = {
-            stage_info(VK_SHADER_STAGE_VERTEX_BIT, modules[0]), stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1])};
+            stage_info(VK_SHADER_STAGE_VERTEX_BIT, modules[0], reading),
+            stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], reading)};
         pass.layout = create_layout(device, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, constant_bytes);
         pass.handle = create_graphics_pipeline(device, render_pass, pass.layout,
                                                std::span(stages).first(fragment.empty() ? 1 : 2), writes);
@@ -130,27 +138,28 @@ constexpr std::array<uint16_t, kFacadeIndices> kQuadIndices = {0, 1, 2, 2, 1, 3,
 
 }  // namespace
 
-Pass create_mesh_pass(const Device& device, VkRenderPass render_pass) {
-    return create_drawing_pass(device, render_pass, k_mesh_vert, k_mesh_frag);
+Pass create_mesh_pass(const Device& device, VkRenderPass render_pass, LayerReading reading) {
+    return create_drawing_pass(device, render_pass, k_mesh_vert, k_mesh_frag, reading);
 }
 
 std::span<const uint16_t> facade_indices() {
     return kQuadIndices;
 }
 
-Pass create_facade_pass(const Device& device, VkRenderPass render_pass, uint32_t caster, bool keyed) {
+Pass create_facade_pass(const Device& device, VkRenderPass render_pass, uint32_t caster, bool keyed,
+                        LayerReading reading) {
     const FacadeShaders shaders = facade_shaders(caster);
-    if (!keyed) return create_drawing_pass(device, render_pass, shaders.vertex, shaders.fragment);
-    return create_drawing_pass(device, render_pass, shaders.vertex, shaders.keyed_fragment, {false, false});
+    if (!keyed) return create_drawing_pass(device, render_pass, shaders.vertex, shaders.fragment, reading);
+    return create_drawing_pass(device, render_pass, shaders.vertex, shaders.keyed_fragment, reading, {false, false});
 }
 
-Pass create_facade_occluder_pass(const Device& device, VkRenderPass render_pass) {
-    return create_drawing_pass(device, render_pass, k_facade_occluder_vert, {}, {false, true});
+Pass create_facade_occluder_pass(const Device& device, VkRenderPass render_pass, LayerReading reading) {
+    return create_drawing_pass(device, render_pass, k_facade_occluder_vert, {}, reading, {false, true});
 }
 
 Pass create_facade_resolve_pass(const Device& device, VkRenderPass render_pass) {
-    return create_drawing_pass(device, render_pass, k_facade_resolve_vert, k_facade_resolve_frag, {},
-                               sizeof(FacadeTableHead));
+    return create_drawing_pass(device, render_pass, k_facade_resolve_vert, k_facade_resolve_frag, LayerReading::kPaged,
+                               {}, sizeof(FacadeTableHead));
 }
 
 Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes) {

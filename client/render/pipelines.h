@@ -13,14 +13,18 @@ struct Pass {
     VkPipeline handle = VK_NULL_HANDLE;
 };
 
+/// How a pipeline's shaders read layers: any, each by a branch, or without one such as lie in one piece (all layers
+/// that a draw names must; same results).
+enum class LayerReading { kPaged, kDirect };
+
 /// Triangles pulled from packed mesh layers; both sides are drawn. Push constants: DrawConstants.
-Pass create_mesh_pass(const Device& device, VkRenderPass pass);
+Pass create_mesh_pass(const Device& device, VkRenderPass pass, LayerReading reading);
 /// Quads of facade placements (indices: facade_indices), ray cast in the fragment shader by a caster of
 /// facade_renderer_layout.h. `keyed`: the hits go to the key buffer of FacadeTableHead, depth is tested before and not
 /// written. Push constants: DrawConstants.
-Pass create_facade_pass(const Device& device, VkRenderPass pass, uint32_t caster, bool keyed);
+Pass create_facade_pass(const Device& device, VkRenderPass pass, uint32_t caster, bool keyed, LayerReading reading);
 /// Depth of opaque placements' backs (the first kOccluderIndices indices). Push constants: DrawConstants.
-Pass create_facade_occluder_pass(const Device& device, VkRenderPass pass);
+Pass create_facade_occluder_pass(const Device& device, VkRenderPass pass, LayerReading reading);
 /// One triangle that draws the key buffer. Push constants: FacadeTableHead.
 Pass create_facade_resolve_pass(const Device& device, VkRenderPass pass);
 constexpr uint32_t kFacadeIndices = 18, kOccluderIndices = 6;

@@ -56,6 +56,17 @@ std::vector<size_t> front_to_back(const Camera& camera, std::span<const TileDraw
     return order;
 }
 
+// Vertices of a draw on a software driver: llvmpipe shades 4,096 at a time and, when one of them is clipped, hands all
+// to a slow path whose time grows with their square. Measured on a street flight: 1,536 take half the time of one draw
+// a tile, 384 and 4,096 more.
+constexpr uint32_t kSoftwarePiece = 1536;
+static_assert(kSoftwarePiece % 3 == 0);
+
+void draw_pieces(VkCommandBuffer commands, uint32_t vertices, uint32_t piece) {
+    for (uint32_t begin = 0; begin < vertices; begin += piece)
+        vkCmdDraw(commands, std::min(piece, vertices - begin), 1, begin, 0);
+}
+
 bool has_facades(const TileDraw& tile) {
     return tile.facade != kNoLayer && !tile.map_of_placement.empty();
 }
@@ -88,13 +99,21 @@ class Renderer final : public VulkanRenderer {
         const TileDraw* tile;
         TileConstants constants;
         uint32_t casters;  ///< one bit each: those that its placements' maps need
+        LayerReading reading;
     };
+    /// One for each LayerReading, made when the first tile needs it.
+    using PassPair = std::array<Pass, 2>;
+    static const Pass& pass_for(const DrawnTile& drawn, const PassPair& passes) {
+        return passes[static_cast<size_t>(drawn.reading)];
+    }
 
     static uint32_t placements_of(const DrawnTile& drawn) {
         return static_cast<uint32_t>(drawn.tile->map_of_placement.size());
     }
     void ensure_tables(uint64_t words);
-    void ensure_facade_passes(uint32_t casters);
+    bool ensure_mesh_pass(LayerReading reading);
+    bool ensure_facade_passes(uint32_t casters, LayerReading reading);
+    bool ensure_passes();
     uint32_t casters_of(const TileDraw& tile) const;
     FacadeTableHead facade_table_head() const;
     void warm_up(const Pass& pass, uint32_t vertices);
@@ -106,6 +125,7 @@ class Renderer final : public VulkanRenderer {
     void record_resolve(VkCommandBuffer commands);
     void record_readback(VkCommandBuffer commands);
     void push_constants(VkCommandBuffer commands, const Pass& pass, const TileConstants& tile) const;
+    void bind_for(VkCommandBuffer commands, const Pass& pass, const TileConstants& tile, VkPipeline& bound) const;
     void mark(VkCommandBuffer commands, Timestamp stamp) const;
     void read_timestamps(FrameTimings& timings) const;
     FrameImage read_frame() const;
@@ -116,8 +136,9 @@ class Renderer final : public VulkanRenderer {
     Device device_;
     SlotPool pool_;
     FrameTarget target_;
-    Pass mesh_, occluder_, resolve_, filter_;
-    std::array<Pass, FACADE_RENDERER_COUNT> facades_;  ///< by caster
+    Pass resolve_, filter_;
+    PassPair mesh_, occluder_;
+    std::array<PassPair, FACADE_RENDERER_COUNT> facades_;  ///< by caster
     Buffer facade_indices_;
     Buffer keys_;  ///< of the keyed facade pass
     bool keyed_facades_ = false;
@@ -133,8 +154,11 @@ Renderer::~Renderer() {
         vkDeviceWaitIdle(device_.handle);
         destroy_slot_pool(pool_);
         destroy_frame_target(device_, target_);
-        for (Pass* pass : {&mesh_, &occluder_, &resolve_, &filter_}) destroy_pass(device_, *pass);
-        for (Pass& pass : facades_) destroy_pass(device_, pass);
+        const auto destroy = [&](Pass& pass) { destroy_pass(device_, pass); };
+        destroy(resolve_);
+        destroy(filter_);
+        for (PassPair* passes : {&mesh_, &occluder_}) std::ranges::for_each(*passes, destroy);
+        for (PassPair& passes : facades_) std::ranges::for_each(passes, destroy);
         destroy_buffer(device_, facade_indices_);
         destroy_buffer(device_, keys_);
         destroy_buffer(device_, tables_);
@@ -159,13 +183,12 @@ Status Renderer::start() {
     keyed_facades_ = device_.has_fragment_atomics64 && options_.keyed_facades.value_or(device_.is_cpu);
     pool_ = create_slot_pool(device_, options_.gpu_budget_bytes);
     target_ = create_frame_target(device_, options_.width, options_.height, options_.supersample);
-    mesh_ = create_mesh_pass(device_, target_.clear_pass);
     if (options_.supersample > 1) filter_ = create_compute_pass(device_, k_box_filter_comp, sizeof(FilterConstants));
     auto queries = vk_struct<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
     queries.queryCount = kTimestampCount;
     vk_check(vkCreateQueryPool(device_.handle, &queries, nullptr, &timestamps_), "vkCreateQueryPool");
-    warm_up(mesh_, 3);
+    ensure_mesh_pass(LayerReading::kDirect);
     return Done{};
 }
 
@@ -205,31 +228,55 @@ uint32_t Renderer::casters_of(const TileDraw& tile) const {
     return casters;
 }
 
+bool Renderer::ensure_mesh_pass(LayerReading reading) {
+    Pass& pass = mesh_[static_cast<size_t>(reading)];
+    if (pass.handle != VK_NULL_HANDLE) return false;
+    pass = create_mesh_pass(device_, target_.clear_pass, reading);
+    warm_up(pass, 3);
+    return true;
+}
+
 // What the facade pass needs is made when the first tile with relief is drawn, each caster with the first map in its
 // form.
-void Renderer::ensure_facade_passes(uint32_t casters) {
+bool Renderer::ensure_facade_passes(uint32_t casters, LayerReading reading) {
+    const auto way = static_cast<size_t>(reading);
+    bool made = false;
     if (facade_indices_.handle == VK_NULL_HANDLE) {
         facade_indices_ = create_buffer(device_, facade_indices().size_bytes(), BufferPlace::kUpload);
         std::memcpy(facade_indices_.mapped, facade_indices().data(), facade_indices().size_bytes());
-        occluder_ = create_facade_occluder_pass(device_, target_.clear_pass);
         if (keyed_facades_) {
             resolve_ = create_facade_resolve_pass(device_, target_.load_pass);
             keys_ = create_buffer(device_, uint64_t{8} * target_.width * target_.height * target_.scale * target_.scale,
                                   BufferPlace::kDevice);
         }
     }
+    if (occluder_[way].handle == VK_NULL_HANDLE)
+        occluder_[way] = create_facade_occluder_pass(device_, target_.clear_pass, reading);
     for (uint32_t caster = 0; caster < FACADE_RENDERER_COUNT; ++caster) {
-        if ((casters >> caster & 1) == 0 || facades_[caster].handle != VK_NULL_HANDLE) continue;
-        facades_[caster] = create_facade_pass(device_, target_.load_pass, caster, keyed_facades_);
-        warm_up(facades_[caster], kFacadeIndices);
+        Pass& pass = facades_[caster][way];
+        if ((casters >> caster & 1) == 0 || pass.handle != VK_NULL_HANDLE) continue;
+        pass = create_facade_pass(device_, target_.load_pass, caster, keyed_facades_, reading);
+        warm_up(pass, kFacadeIndices);
+        made = true;
     }
+    return made;
+}
+
+// Makes the passes that the drawn tiles miss. True: some were made, and warming them up took the tables.
+bool Renderer::ensure_passes() {
+    bool made = false;
+    for (const DrawnTile& drawn : drawn_) {
+        made |= ensure_mesh_pass(drawn.reading);
+        if (drawn.casters != 0) made |= ensure_facade_passes(drawn.casters, drawn.reading);
+    }
+    return made;
 }
 
 FacadeTableHead Renderer::facade_table_head() const {
     FacadeTableHead head{};
     head.width = target_.width * target_.scale;
     head.height = target_.height * target_.scale;
-    head.samples = facade_samples_of(options_.facade_renderer, options_.facade_samples);
+    head.samples = options_.facade_samples;
     split(keys_.address, head.keys);
     return head;
 }
@@ -270,6 +317,14 @@ void Renderer::push_constants(VkCommandBuffer commands, const Pass& pass, const 
     vkCmdPushConstants(commands, pass.layout, kDrawStages, 0, sizeof constants, &constants);
 }
 
+// Binds the pass unless it is `bound`.
+void Renderer::bind_for(VkCommandBuffer commands, const Pass& pass, const TileConstants& tile,
+                        VkPipeline& bound) const {
+    if (bound != pass.handle) vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass.handle);
+    bound = pass.handle;
+    push_constants(commands, pass, tile);
+}
+
 Status Renderer::write_tables(const Camera& camera, std::span<const TileDraw> tiles) {
     ensure_tables(FrameTables::bound(pool_, tiles));
     const CameraCell cell = camera_cell(camera.position);
@@ -279,7 +334,8 @@ Status Renderer::write_tables(const Camera& camera, std::span<const TileDraw> ti
     for (const size_t i : front_to_back(camera, tiles)) {
         const Result<TileConstants> constants = tables.add_tile(tiles[i], cell);
         if (!constants) return constants.error();
-        drawn_.push_back({&tiles[i], *constants, casters_of(tiles[i])});
+        drawn_.push_back({&tiles[i], *constants, casters_of(tiles[i]),
+                          tables.is_direct() ? LayerReading::kDirect : LayerReading::kPaged});
     }
     if (!tables.words().empty()) std::memcpy(tables_.mapped, tables.words().data(), tables.words().size_bytes());
     return Done{};
@@ -293,23 +349,23 @@ void Renderer::mark(VkCommandBuffer commands, Timestamp stamp) const {
 }
 
 void Renderer::record_meshes(VkCommandBuffer commands) {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, mesh_.handle);
+    VkPipeline bound = VK_NULL_HANDLE;
     for (const DrawnTile& drawn : drawn_) {
         const TileDraw& tile = *drawn.tile;
         const uint32_t triangles = has_facades(tile) ? tile.mesh_dressed_begin : tile.mesh_triangles;
         if (tile.mesh == kNoLayer || triangles == 0) continue;
-        push_constants(commands, mesh_, drawn.constants);
-        vkCmdDraw(commands, 3 * triangles, 1, 0, 0);
+        bind_for(commands, pass_for(drawn, mesh_), drawn.constants, bound);
+        draw_pieces(commands, 3 * triangles, device_.is_cpu ? kSoftwarePiece : 3 * triangles);
     }
 }
 
 // Behind the backs of opaque facades nothing is cast.
 void Renderer::record_occluders(VkCommandBuffer commands) {
-    vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, occluder_.handle);
+    VkPipeline bound = VK_NULL_HANDLE;
     vkCmdBindIndexBuffer(commands, facade_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
     for (const DrawnTile& drawn : drawn_) {
         if (drawn.casters == 0) continue;
-        push_constants(commands, occluder_, drawn.constants);
+        bind_for(commands, pass_for(drawn, occluder_), drawn.constants, bound);
         vkCmdDrawIndexed(commands, kOccluderIndices, placements_of(drawn), 0, 0, 0);
     }
 }
@@ -324,11 +380,10 @@ void Renderer::record_facades(VkCommandBuffer commands) {
     begin_pass(commands, target_, target_.load_pass, clear_.data());
     vkCmdBindIndexBuffer(commands, facade_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
     for (uint32_t caster = 0; caster < FACADE_RENDERER_COUNT; ++caster) {
-        if (facades_[caster].handle == VK_NULL_HANDLE) continue;
-        vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, facades_[caster].handle);
+        VkPipeline bound = VK_NULL_HANDLE;
         for (const DrawnTile& drawn : drawn_) {
             if ((drawn.casters >> caster & 1) == 0) continue;
-            push_constants(commands, facades_[caster], drawn.constants);
+            bind_for(commands, pass_for(drawn, facades_[caster]), drawn.constants, bound);
             vkCmdDrawIndexed(commands, kFacadeIndices, placements_of(drawn), 0, 0, 0);
         }
     }
@@ -408,11 +463,12 @@ Result<FrameImage> Renderer::draw(const Camera& camera, std::span<const TileDraw
     }
     FrameTimings measured;
     try {
-        uint32_t casters = 0;
-        for (const TileDraw& tile : tiles) casters |= casters_of(tile);
-        if (casters != 0) ensure_facade_passes(casters);
-        const auto record_begin = Clock::now();
+        auto record_begin = Clock::now();
         if (const Status status = write_tables(camera, tiles); !status) return status.error();
+        if (ensure_passes()) {
+            record_begin = Clock::now();
+            if (const Status status = write_tables(camera, tiles); !status) return status.error();
+        }
         submit_and_wait(device_, [&](VkCommandBuffer commands) {
             record_frame(commands);
             measured.cpu_record_ms = milliseconds_since(record_begin);

@@ -1,4 +1,5 @@
-// What a client learns about a city beyond its directory: steps that cannot be had, and which facades a tile has.
+// What a client learns about a city beyond its directory: steps that cannot be had, which facades a tile has, and which
+// shared charts it shows.
 #pragma once
 
 #include <array>
@@ -6,6 +7,7 @@
 #include <vector>
 
 #include "client/cache/directory_cache.h"
+#include "client/select/chart_dictionary.h"
 #include "client/select/facade_dictionary.h"
 #include "codec/facade/facade_layer.h"
 #include "tiles/tileset/directory.h"
@@ -20,12 +22,16 @@ struct TileKnowledge {
     bool facade_maps_known = false;
     std::vector<codec::facade::Placement> placements;  ///< where its facades stand
     std::vector<uint32_t> facade_maps;                 ///< that they show: sorted, distinct
+    bool charts_known = false;                         ///< the first step of its atlas has been here
+    std::vector<codec::atlas::SharedChartUse> charts;  ///< shared ones that its atlas names
 };
 
 struct CityKnowledge {
     std::vector<TileKnowledge> tiles;  ///< like the directory's nodes; grows with them
     FacadeDictionary dictionary;       ///< empty until the facade index has come
     bool facades_broken = false;       ///< the facade index cannot be had: facades are drawn flat
+    ChartDictionary charts;            ///< empty until the chart index has come
+    bool charts_broken = false;        ///< the chart index cannot be had: shared charts are drawn in one colour
 };
 
 /// Steps of a layer that can be had.

@@ -65,7 +65,8 @@ class FacadeDictionary {
 
     /// In the maps entry.
     uint64_t begin(MapPiece piece) const;
-    uint64_t wire_bytes(MapPiece piece) const { return record_of(piece).end - begin(piece); }
+    uint64_t end(MapPiece piece) const { return record_of(piece).end; }
+    uint64_t wire_bytes(MapPiece piece) const { return end(piece) - begin(piece); }
     /// The piece whose payload follows; after the last one a piece of map size().
     MapPiece next(MapPiece piece) const;
 

@@ -147,7 +147,14 @@ void Selector::take(NodeIndex index, const View& view, Selection& out) {
             shortest_prefix(node.record->steps(Layer::kFacade), usable_steps(node, known, Layer::kFacade),
                             view.pixels_per_metre, out.tolerance);
     }
-    out.tiles.push_back(tile);
+    if (knowledge_.charts.known()) {
+        for (const auto& use : known.charts) {
+            const ChartPrefix prefix = knowledge_.charts.wanted(use, view.pixels_per_metre, out.tolerance);
+            if (prefix.levels > 0) tile.charts.push_back(prefix);
+        }
+        merge_prefixes(tile.charts);
+    }
+    out.tiles.push_back(std::move(tile));
 }
 
 std::vector<PlacementLevel> Selector::placement_levels_of(NodeIndex node, double tolerance) const {
@@ -165,6 +172,26 @@ void Selector::add_cost(const SelectedTile& tile, uint64_t slot_bytes, Selection
                        slot_bytes, cost);
     }
     if (tile.has_relief()) add_relief_cost(tile, slot_bytes, cost);
+    add_chart_cost(tile, slot_bytes, cost);
+}
+
+/// A chart counts with the longest prefix that any tile wants of it: each tile adds what it wants beyond those before.
+void Selector::add_chart_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost) {
+    const ChartDictionary& dictionary = knowledge_.charts;
+    const auto slots = [&](uint64_t bytes) { return (bytes + slot_bytes - 1) / slot_bytes; };
+    for (const ChartPrefix& wanted : tile.charts) {
+        CountedChart& counted = chart_counted_[wanted.chart];
+        if (counted.stamp != cost_stamp_) {
+            counted = {cost_stamp_, {wanted.chart, 0}};
+            ++cost.layers;
+        }
+        if (counted.prefix.levels >= wanted.levels) continue;
+        const uint64_t decoded = dictionary.decoded_bytes(wanted);
+        cost.slots += slots(decoded) - slots(dictionary.decoded_bytes(counted.prefix));
+        cost.wire_bytes += dictionary.wire_bytes(wanted) - dictionary.wire_bytes(counted.prefix);
+        cost.largest_decoded = std::max(cost.largest_decoded, decoded);
+        counted.prefix = wanted;
+    }
 }
 
 /// Placements, and the levels of maps that were not counted yet.
@@ -187,6 +214,7 @@ void Selector::run(double tolerance, uint64_t slot_bytes, Selection& out) {
     std::sort(out.subtrees.begin(), out.subtrees.end());
     out.subtrees.erase(std::unique(out.subtrees.begin(), out.subtrees.end()), out.subtrees.end());
     piece_seen_.resize(map_piece(static_cast<uint32_t>(knowledge_.dictionary.size()), 0));
+    chart_counted_.resize(knowledge_.charts.size());
     ++cost_stamp_;
     for (const SelectedTile& tile : out.tiles) add_cost(tile, slot_bytes, out.cost);
 }

@@ -1,5 +1,5 @@
 // The one rule: for every visible tile and layer the shortest prefix, and for every facade the coarsest level of its
-// map, whose error, projected to the screen, is below the tolerance.
+// map, whose error, projected to the screen, is below the tolerance; and for every shared chart the shortest prefix.
 #pragma once
 
 #include <array>
@@ -18,15 +18,18 @@ struct SelectedTile {
     NodeIndex node = kNoNode;
     double pixels_per_metre = 0;  ///< at the nearest point of its bounds
     std::array<uint8_t, tiles::tileset::kLayerCount> steps{};
-    std::vector<MapPiece> pieces;  ///< levels of facade maps that its placements want: sorted, distinct
+    std::vector<MapPiece> pieces;     ///< levels of facade maps that its placements want: sorted, distinct
+    std::vector<ChartPrefix> charts;  ///< of shared charts: sorted, distinct
     bool has_relief() const { return steps_of(tiles::tileset::Layer::kFacade) > 0; }
+    uint32_t chart_levels(uint32_t chart) const { return levels_in(charts, chart); }
     uint8_t steps_of(tiles::tileset::Layer layer) const { return steps[static_cast<size_t>(layer)]; }
 };
 
 /// What a selection needs, known before any request from the step tables.
 struct SelectionCost {
-    uint64_t slots = 0;       ///< of the layer store: every layer rounded up, every known level of a facade map once
-    uint64_t wire_bytes = 0;  ///< of all selected prefixes and maps
+    uint64_t slots = 0;       ///< of the layer store: every layer rounded up, every known level of a facade map and
+                              ///< every known shared chart once
+    uint64_t wire_bytes = 0;  ///< of all selected prefixes, maps and charts
     uint64_t layers = 0;      ///< number of them
     uint64_t largest_decoded = 0;  ///< bytes of the largest single prefix: what decoding needs beside it
 };
@@ -84,6 +87,7 @@ class Selector {
     int search(double tolerance, const SelectionBudget& budget, Selection& out);
     void add_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost);
     void add_relief_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost);
+    void add_chart_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost);
     void add_relief(const SelectionBudget& budget, const Selection& full, Selection& out);
     void drop_far_tiles(const SelectionBudget& budget, Selection& out);
 
@@ -95,6 +99,11 @@ class Selector {
     Camera camera_;
     std::vector<View> views_;           ///< by node, valid where stamp == view_stamp_
     std::vector<uint64_t> piece_seen_;  ///< by piece of the dictionary: cost_stamp_ when counted
+    struct CountedChart {
+        uint64_t stamp = 0;
+        ChartPrefix prefix;
+    };
+    std::vector<CountedChart> chart_counted_;  ///< by chart of the dictionary, valid where stamp == cost_stamp_
     uint64_t view_stamp_ = 0, cost_stamp_ = 0;
 };
 

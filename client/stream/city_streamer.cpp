@@ -2,16 +2,18 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <map>
 #include <thread>
 
 #include "client/cache/directory_cache.h"
 #include "client/cache/layer_cache.h"
 #include "client/select/selection.h"
+#include "client/stream/chart_residency.h"
 #include "client/stream/cover.h"
+#include "client/stream/dictionary_pieces.h"
 #include "client/stream/request_cost.h"
 #include "client/stream/request_plan.h"
+#include "client/stream/setbacks.h"
 #include "client/stream/tile_residency.h"
 #include "tiles/tileset/tileset_json.h"
 
@@ -32,15 +34,9 @@ constexpr int kMostRounds =
 constexpr std::chrono::milliseconds kWaitSlice{100};
 constexpr uint32_t kUnwantedUpdates =
     2;  // before a request is cancelled: a view that wavers at a threshold wastes no bytes
-constexpr double kFirstPauseSeconds = 0.5, kLongestPauseSeconds = 30;
 
 double milliseconds_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
-}
-
-/// "path: why", unless the reason names the path itself (an address does).
-std::string about(const std::string& path, const std::string& why) {
-    return why.find(path) != std::string::npos ? why : path + ": " + why;
 }
 
 /// Of the root when it stands in for a view: the whole mesh, for its first step alone looks like nothing.
@@ -48,13 +44,6 @@ uint8_t stand_in_steps(const tiles::tileset::TileRecord& root, Layer layer) {
     const size_t steps = root.steps(layer).size();
     return static_cast<uint8_t>(layer == Layer::kMesh ? steps : std::min<size_t>(1, steps));
 }
-
-/// Something that could not be fetched and is left alone until its time comes.
-struct Setback {
-    Clock::time_point until;
-    PlannedRequest request;
-    uint8_t usable_before = TileKnowledge::kAllSteps;
-};
 
 MapOptions map_options(const StreamerOptions& options) {
     MapOptions maps;
@@ -76,7 +65,9 @@ class Streamer final : public CityStreamer {
           cache_(store, host_),
           selector_(directory_, knowledge_, options.relief),
           maps_(knowledge_, cache_, host_, warnings_, counters_, map_options(options)),
-          residency_(directory_, knowledge_, cache_, host_, maps_, warnings_, counters_, options.decode) {
+          charts_(knowledge_, cache_, host_, warnings_, counters_, options.decode),
+          residency_(directory_, knowledge_, cache_, host_, maps_, charts_, warnings_, counters_, options.decode),
+          setbacks_(directory_, knowledge_, cache_, warnings_) {
         host_.budget = options.host_budget_bytes;
         host_.fixed = sizeof(*this);
     }
@@ -95,7 +86,10 @@ class Streamer final : public CityStreamer {
     void advance_realtime(const Camera& camera);
     void choose(const Camera& camera);
     void pin_root();
+    SelectedTile stand_in() const;
     void mark_needed();
+    template <typename Visit>
+    void visit_needed_layers(const Visit& visit);
     void trim_to_budget();
     uint64_t needed_slots();
     void upload_all();
@@ -110,16 +104,17 @@ class Streamer final : public CityStreamer {
     bool admit(const PlannedRequest& request);
     void submit(const PlannedRequest& request);
     bool drain(const std::vector<PlannedRequest>& requests);
+    uint32_t levels_needed(uint32_t chart) const { return levels_in(needed_charts_, chart); }
     void cancel_unwanted();
     bool still_wanted(const PlannedRequest& request);
-    void set_requested(const PlannedRequest& request, bool requested);
+    void mark_requested(const PlannedRequest& request, bool requested);
     void receive(FetchResult& result);
     void receive_subtree(const PlannedRequest& request, std::span<const std::byte> bytes);
-    void receive_facade_index(std::span<const std::byte> bytes);
+    void receive_facade_index(const PlannedRequest& request, std::span<const std::byte> bytes);
+    void receive_chart_index(const PlannedRequest& request, std::span<const std::byte> bytes);
     void receive_layers(const PlannedRequest& request, std::span<const std::byte> bytes);
-    void fail(const PlannedRequest& request, const std::string& why, bool for_good);
-    void retry_due();
     void abandon_requests();
+    uint64_t dictionary_changes() const { return knowledge_.dictionary.changes() + knowledge_.charts.changes(); }
     bool stopped() const { return options_.stop != nullptr && options_.stop->load(); }
 
     void make_draws();
@@ -155,17 +150,17 @@ class Streamer final : public CityStreamer {
     Warnings warnings_;
     ResidencyCounters counters_;
     MapResidency maps_;
+    ChartResidency charts_;
     TileResidency residency_;
+    Setbacks setbacks_;
     Selection selection_;
-    std::vector<SelectedTile> needed_;  ///< the selection, and in realtime mode the root
+    std::vector<SelectedTile> needed_;        ///< the selection, and in realtime mode the root
+    std::vector<ChartPrefix> needed_charts_;  ///< of them all
     std::vector<Mark> marks_;
     uint64_t serial_ = 0;
     std::map<uint64_t, InFlight> in_flight_;
     uint64_t next_id_ = 1;
-    bool facade_index_requested_ = false;
-    uint32_t facade_index_failures_ = 0;
-    std::map<TileAddress, uint32_t> subtree_failures_;
-    std::vector<Setback> setbacks_;
+    bool facade_index_requested_ = false, chart_index_requested_ = false;
     std::vector<TileDraw> draws_;
     StreamerFrame* frame_ = nullptr;
 };
@@ -187,7 +182,7 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
     frame_ = &frame;
     host_.forget_peaks();
     cache_.begin_update();
-    retry_due();
+    setbacks_.retry_due();
     if (options_.wait_for_selection) {
         advance_waiting(camera);
     } else {
@@ -201,6 +196,7 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
     frame.map_conversions_refused = counters.conversions_refused;
     frame.map_conversion_ms = counters.conversion_ms;
     frame.facade_maps = cache_.maps_in_store();
+    frame.shared_charts = cache_.charts_in_store();
     frame.gpu_bytes_used = store_.slots_used() * store_.slot_bytes();
     host_.note_peak();
     frame.host_bytes_used = host_.peak;
@@ -214,11 +210,11 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
 /// placements, damage, sizes of converted maps) makes another round.
 void Streamer::advance_waiting(const Camera& camera) {
     for (int round = 0; round < kMostRounds && !stopped(); ++round) {
-        const uint64_t known = knowledge_.dictionary.changes();
+        const uint64_t known = dictionary_changes();
         choose(camera);
         upload_all();
         if (round == 0) count_hits();
-        if (knowledge_.dictionary.changes() != known) continue;
+        if (dictionary_changes() != known) continue;
         const std::vector<PlannedRequest> requests = plan(camera, true);
         if (requests.empty() || !drain(requests)) return;
     }
@@ -245,9 +241,13 @@ void Streamer::choose(const Camera& camera) {
     budget.host_bytes_per_layer = kCachedLayerBytes;
     if (!options_.wait_for_selection && !directory_.nodes().empty()) {
         const auto& root = *directory_.node(0).record;
+        const SelectedTile tile = stand_in();
         uint64_t reserve = 0;
         for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
-            reserve += store_.slots_for(decoded_prefix_bytes(root.steps(layer), stand_in_steps(root, layer)));
+            reserve += store_.slots_for(decoded_prefix_bytes(root.steps(layer), tile.steps_of(layer)));
+        }
+        for (const ChartPrefix& chart : tile.charts) {
+            reserve += store_.slots_for(knowledge_.charts.decoded_bytes(chart));
         }
         budget.slots -= std::min(budget.slots, reserve);
     }
@@ -262,6 +262,11 @@ void Streamer::choose(const Camera& camera) {
         }
     }
     if (!options_.wait_for_selection) pin_root();
+    needed_charts_.clear();
+    for (const SelectedTile& tile : needed_) {
+        needed_charts_.insert(needed_charts_.end(), tile.charts.begin(), tile.charts.end());
+    }
+    merge_prefixes(needed_charts_);
     for (uint32_t i = 0; i < needed_.size(); ++i) {
         marks_[needed_[i].node].needed = serial_;
         marks_[needed_[i].node].position = i;
@@ -281,14 +286,24 @@ void Streamer::choose(const Camera& camera) {
 /// to.
 void Streamer::pin_root() {
     if (directory_.nodes().empty() || is_selected(0) || !can_be_drawn(directory_, knowledge_, 0)) return;
+    needed_.push_back(stand_in());
+    needed_.back().pixels_per_metre = selector_.visible(0) ? selector_.pixels_per_metre(0) : 0;
+}
+
+/// The root with as much of it as it takes to fall back to.
+SelectedTile Streamer::stand_in() const {
     SelectedTile root;
     root.node = 0;
-    root.pixels_per_metre = selector_.visible(0) ? selector_.pixels_per_metre(0) : 0;
     for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
         root.steps[static_cast<size_t>(layer)] = std::min(stand_in_steps(*directory_.node(0).record, layer),
                                                           knowledge_.tiles[0].usable_steps[static_cast<size_t>(layer)]);
     }
-    needed_.push_back(root);
+    if (!knowledge_.charts.known()) return root;
+    for (const auto& use : knowledge_.tiles[0].charts) {
+        if (knowledge_.charts.usable_levels(use.number) > 0) root.charts.push_back({use.number, 1});
+    }
+    merge_prefixes(root.charts);
+    return root;
 }
 
 void Streamer::mark_needed() {
@@ -299,22 +314,35 @@ void Streamer::mark_needed() {
         }
         for (const MapPiece piece : tile.pieces) cache_.need(cache_.at(map_key(piece)));
     }
+    for (const ChartPrefix& chart : needed_charts_) cache_.need(cache_.at(chart_key(chart.chart)));
+}
+
+/// Calls visit(entry, steps, decoded bytes, wire bytes) for every layer in steps and its wanted prefix.
+template <typename Visit>
+void Streamer::visit_needed_layers(const Visit& visit) {
+    for (const SelectedTile& tile : needed_) {
+        const auto& record = *directory_.node(tile.node).record;
+        for (size_t layer = 0; layer < kLayerCount; ++layer) {
+            const uint32_t steps = tile.steps[layer];
+            if (steps == 0) continue;
+            visit(cache_.at(layer_key(tile.node, static_cast<Layer>(layer))), steps,
+                  decoded_prefix_bytes(record.layers[layer], steps), wire_prefix_bytes(record.layers[layer], steps));
+        }
+    }
+    for (const ChartPrefix& chart : needed_charts_) {
+        visit(cache_.at(chart_key(chart.chart)), chart.levels, knowledge_.charts.decoded_bytes(chart),
+              knowledge_.charts.wire_bytes(chart));
+    }
 }
 
 /// Slots of all that is needed when it is complete, with what is resident beyond the wanted prefixes.
 uint64_t Streamer::needed_slots() {
     uint64_t slots = 0;
+    visit_needed_layers([&](const CachedLayer& entry, uint32_t, uint64_t decoded, uint64_t) {
+        slots += store_.slots_for(std::max(decoded, entry.store_bytes));
+    });
     std::vector<MapPiece> pieces;
-    for (const SelectedTile& tile : needed_) {
-        const auto& record = *directory_.node(tile.node).record;
-        for (size_t layer = 0; layer < kLayerCount; ++layer) {
-            if (tile.steps[layer] == 0) continue;
-            const CachedLayer& entry = cache_.at(layer_key(tile.node, static_cast<Layer>(layer)));
-            const uint64_t wanted = decoded_prefix_bytes(record.layers[layer], tile.steps[layer]);
-            slots += store_.slots_for(std::max(wanted, entry.store_bytes));
-        }
-        pieces.insert(pieces.end(), tile.pieces.begin(), tile.pieces.end());
-    }
+    for (const SelectedTile& tile : needed_) pieces.insert(pieces.end(), tile.pieces.begin(), tile.pieces.end());
     std::sort(pieces.begin(), pieces.end());
     pieces.erase(std::unique(pieces.begin(), pieces.end()), pieces.end());
     for (const MapPiece piece : pieces) slots += store_.slots_for(knowledge_.dictionary.resident_bytes(piece));
@@ -326,33 +354,23 @@ uint64_t Streamer::needed_slots() {
 void Streamer::trim_to_budget() {
     uint64_t slots = needed_slots();
     uint64_t wire_surplus = 0;
-    for (const SelectedTile& tile : needed_) {
-        for (size_t layer = 0; layer < kLayerCount; ++layer) {
-            if (tile.steps[layer] == 0) continue;
-            CachedLayer& entry = cache_.at(layer_key(tile.node, static_cast<Layer>(layer)));
-            const auto& steps = directory_.node(tile.node).record->layers[layer];
-            const uint64_t wanted = decoded_prefix_bytes(steps, tile.steps[layer]);
-            if (slots > store_.slot_count() && entry.store_bytes > wanted) {
-                slots -= store_.slots_for(entry.store_bytes) - store_.slots_for(wanted);
-                cache_.drop_store(entry);
-            }
-            const uint64_t wanted_wire = wire_prefix_bytes(steps, tile.steps[layer]);
-            if (entry.wire_bytes > wanted_wire) wire_surplus += entry.wire_bytes - wanted_wire;
+    visit_needed_layers([&](CachedLayer& entry, uint32_t, uint64_t decoded, uint64_t wire) {
+        if (slots > store_.slot_count() && entry.store_bytes > decoded) {
+            slots -= store_.slots_for(entry.store_bytes) - store_.slots_for(decoded);
+            cache_.drop_store(entry);
         }
-    }
+        if (entry.wire_bytes > wire) wire_surplus += entry.wire_bytes - wire;
+    });
     const uint64_t need = selection_.cost.wire_bytes + wire_surplus + 2 * selection_.cost.largest_decoded;
     if (host_.fixed + host_.in_flight + need <= host_.budget) return;
-    for (const SelectedTile& tile : needed_) {
-        for (size_t layer = 0; layer < kLayerCount; ++layer) {
-            if (tile.steps[layer] == 0) continue;
-            cache_.drop_wire_from(cache_.at(layer_key(tile.node, static_cast<Layer>(layer))), tile.steps[layer]);
-        }
-    }
+    visit_needed_layers(
+        [&](CachedLayer& entry, uint32_t steps, uint64_t, uint64_t) { cache_.drop_wire_from(entry, steps); });
 }
 
 void Streamer::upload_all() {
     for (const SelectedTile& tile : needed_) residency_.upload(tile);
     if (knowledge_.dictionary.known()) maps_.upload(needed_);
+    if (!needed_charts_.empty()) charts_.upload(needed_charts_);
 }
 
 void Streamer::count_hits() {
@@ -376,9 +394,9 @@ bool Streamer::has_host_room() const {
 
 std::vector<PlannedRequest> Streamer::plan(const Camera& camera, bool directory_first) {
     const NodeIndex first = options_.wait_for_selection || directory_.nodes().empty() ? kNoNode : NodeIndex{0};
-    std::vector<PlannedRequest> requests =
-        plan_requests(directory_, knowledge_, cache_, selection_, needed_, first, camera,
-                      {directory_first, !directory_first, facade_index_requested_, has_host_room()});
+    std::vector<PlannedRequest> requests = plan_requests(
+        directory_, knowledge_, cache_, selection_, needed_, first, camera,
+        {directory_first, !directory_first, facade_index_requested_, chart_index_requested_, has_host_room()});
     std::erase_if(requests, [&](const PlannedRequest& request) {
         return request.kind == RequestKind::kSubtree &&
                std::any_of(in_flight_.begin(), in_flight_.end(), [&](const auto& entry) {
@@ -415,10 +433,16 @@ void Streamer::submit(const PlannedRequest& request) {
         case RequestKind::kMaps:
             fetch.path = tiles::tileset::kFacadeMapsPath;
             break;
+        case RequestKind::kChartIndex:
+            fetch.path = tiles::tileset::kChartIndexPath;
+            break;
+        case RequestKind::kCharts:
+            fetch.path = tiles::tileset::kChartLevelsPath;
+            break;
     }
     host_.in_flight += reserved;
     host_.note_peak();
-    set_requested(request, true);
+    mark_requested(request, true);
     in_flight_.emplace(fetch.id, InFlight{request, reserved, false, 0});
     ++frame_->requests;
     fetcher_.submit(std::move(fetch));
@@ -447,16 +471,22 @@ bool Streamer::still_wanted(const PlannedRequest& request) {
     switch (request.kind) {
         case RequestKind::kSubtree:
         case RequestKind::kFacadeIndex:
+        case RequestKind::kChartIndex:
             return true;
         case RequestKind::kLayer: {
             const SelectedTile* tile = wanted_tile(request.node);
             return tile != nullptr && tile->steps_of(request.layer) > request.from;
         }
         case RequestKind::kMaps:
-            break;
-    }
-    for (MapPiece piece = request.from; piece != request.to; piece = knowledge_.dictionary.next(piece)) {
-        if (cache_.is_needed(cache_.at(map_key(piece)))) return true;
+            for (MapPiece piece = request.from; piece != request.to; piece = knowledge_.dictionary.next(piece)) {
+                if (cache_.is_needed(cache_.at(map_key(piece)))) return true;
+            }
+            return false;
+        case RequestKind::kCharts:
+            for (ChartPiece piece = request.from; piece != request.to; piece = knowledge_.charts.next(piece)) {
+                if (levels_needed(chart_of(piece)) > chart_level_of(piece)) return true;
+            }
+            return false;
     }
     return false;
 }
@@ -471,12 +501,32 @@ void Streamer::cancel_unwanted() {
     }
 }
 
-void Streamer::set_requested(const PlannedRequest& request, bool requested) {
-    if (request.kind == RequestKind::kFacadeIndex) facade_index_requested_ = requested;
-    if (request.kind == RequestKind::kLayer) cache_.at(layer_key(request.node, request.layer)).requested = requested;
-    if (request.kind != RequestKind::kMaps) return;
-    for (MapPiece piece = request.from; piece != request.to; piece = knowledge_.dictionary.next(piece)) {
-        cache_.at(map_key(piece)).requested = requested;
+void Streamer::mark_requested(const PlannedRequest& request, bool requested) {
+    const auto mark_pieces = [&](const auto& pieces) {
+        for (uint32_t piece = request.from; piece != request.to; piece = pieces.dictionary.next(piece)) {
+            const uint32_t step = pieces.step(piece);
+            set_requested(cache_.at(pieces.key(piece)), step_bits(step, step + 1), requested);
+        }
+    };
+    switch (request.kind) {
+        case RequestKind::kSubtree:
+            break;
+        case RequestKind::kFacadeIndex:
+            facade_index_requested_ = requested;
+            break;
+        case RequestKind::kChartIndex:
+            chart_index_requested_ = requested;
+            break;
+        case RequestKind::kLayer:
+            set_requested(cache_.at(layer_key(request.node, request.layer)), step_bits(request.from, request.to),
+                          requested);
+            break;
+        case RequestKind::kMaps:
+            mark_pieces(MapPieces{knowledge_.dictionary});
+            break;
+        case RequestKind::kCharts:
+            mark_pieces(ChartPieces{knowledge_.charts});
+            break;
     }
 }
 
@@ -486,18 +536,20 @@ void Streamer::receive(FetchResult& result) {
     const PlannedRequest request = found->second.request;
     host_.in_flight -= found->second.reserved;
     in_flight_.erase(found);
-    set_requested(request, false);
+    mark_requested(request, false);
     if (result.cancelled) return;
     if (!result.bytes) {
-        fail(request, result.bytes.error().text(), false);
+        setbacks_.fail(request, result.bytes.error().text());
         return;
     }
     const std::vector<std::byte>& bytes = *result.bytes;
     frame_->wire_bytes += bytes.size();
     if (request.kind == RequestKind::kFacadeIndex) frame_->facade_index_bytes += bytes.size();
     if (request.kind == RequestKind::kMaps) frame_->facade_map_bytes += bytes.size();
+    if (request.kind == RequestKind::kChartIndex) frame_->chart_index_bytes += bytes.size();
+    if (request.kind == RequestKind::kCharts) frame_->chart_level_bytes += bytes.size();
     if (request.length > 0 && bytes.size() != request.length) {
-        fail(request, "the answer has another length than the directory says", false);
+        setbacks_.fail(request, "the answer has another length than the directory says");
         return;
     }
     switch (request.kind) {
@@ -505,7 +557,10 @@ void Streamer::receive(FetchResult& result) {
             receive_subtree(request, bytes);
             break;
         case RequestKind::kFacadeIndex:
-            receive_facade_index(bytes);
+            receive_facade_index(request, bytes);
+            break;
+        case RequestKind::kChartIndex:
+            receive_chart_index(request, bytes);
             break;
         default:
             receive_layers(request, bytes);
@@ -515,19 +570,13 @@ void Streamer::receive(FetchResult& result) {
 
 void Streamer::receive_subtree(const PlannedRequest& request, std::span<const std::byte> bytes) {
     const Status added = add_subtree(bytes, request.subtree);
-    if (added) return;
-    // The first time it is asked for again by the next choice.
-    if (++subtree_failures_[request.subtree] < 2) return;
-    fail(request, added.error().text(), true);
+    if (!added) setbacks_.reject(request, added.error().text());
 }
 
-void Streamer::receive_facade_index(std::span<const std::byte> bytes) {
+void Streamer::receive_facade_index(const PlannedRequest& request, std::span<const std::byte> bytes) {
     auto maps = directory_.pool().facade_maps(bytes, directory_.manifest());
     if (!maps) {
-        if (++facade_index_failures_ < 2) return;
-        PlannedRequest request;
-        request.kind = RequestKind::kFacadeIndex;
-        fail(request, maps.error().text(), true);
+        setbacks_.reject(request, maps.error().text());
         return;
     }
     knowledge_.dictionary.learn(std::move(*maps));
@@ -535,72 +584,27 @@ void Streamer::receive_facade_index(std::span<const std::byte> bytes) {
     host_.note_peak();
 }
 
+void Streamer::receive_chart_index(const PlannedRequest& request, std::span<const std::byte> bytes) {
+    auto charts = directory_.pool().shared_charts(bytes, directory_.manifest());
+    if (!charts) {
+        setbacks_.reject(request, charts.error().text());
+        return;
+    }
+    knowledge_.charts.learn(std::move(*charts));
+    host_.fixed += knowledge_.charts.host_bytes();
+    host_.note_peak();
+}
+
+/// Levels of dictionaries are brought to the store with the tiles that use them.
 void Streamer::receive_layers(const PlannedRequest& request, std::span<const std::byte> bytes) {
     if (request.kind == RequestKind::kMaps) {
         maps_.accept(request.from, request.to, bytes);
-        return;  // brought to the store with the tiles that use them
+    } else if (request.kind == RequestKind::kCharts) {
+        charts_.accept(request.from, request.to, bytes);
+    } else {
+        residency_.accept_layer(request.node, request.layer, request.from, request.to, bytes);
+        if (const SelectedTile* tile = wanted_tile(request.node)) residency_.upload(*tile);
     }
-    residency_.accept_layer(request.node, request.layer, request.from, request.to, bytes);
-    if (const SelectedTile* tile = wanted_tile(request.node)) residency_.upload(*tile);
-}
-
-/// Leaves something alone: for good, or for a while that doubles with each failure.
-void Streamer::fail(const PlannedRequest& request, const std::string& why, bool for_good) {
-    Setback setback;
-    setback.request = request;
-    uint32_t failures = 1;
-    switch (request.kind) {
-        case RequestKind::kSubtree:
-            failures = ++subtree_failures_[request.subtree];
-            directory_.mark_broken(request.subtree);
-            warnings_.add(about(subtree_path(request.subtree), why) + "; what lies below is drawn from its parent");
-            break;
-        case RequestKind::kFacadeIndex:
-            failures = ++facade_index_failures_;
-            knowledge_.facades_broken = true;
-            warnings_.add(about("facades/index", why) + "; facades are drawn flat");
-            break;
-        case RequestKind::kLayer: {
-            CachedLayer& entry = cache_.at(layer_key(request.node, request.layer));
-            failures = ++entry.failures;
-            uint8_t& usable = knowledge_.tiles[request.node].usable_steps[static_cast<size_t>(request.layer)];
-            setback.usable_before = usable;
-            usable = static_cast<uint8_t>(std::min<uint32_t>(usable, std::max(entry.store_steps, entry.wire_steps)));
-            warnings_.add(about(layer_path(request.layer, directory_.node(request.node).record->address), why) +
-                          "; drawn coarser or from its parent");
-            break;
-        }
-        case RequestKind::kMaps:
-            for (MapPiece piece = request.from; piece != request.to; piece = knowledge_.dictionary.next(piece)) {
-                failures = std::max(failures, ++cache_.at(map_key(piece)).failures);
-                knowledge_.dictionary.set_usable(piece, false);
-            }
-            warnings_.add(about("facades/maps", why) + "; other levels stand in, or facades are drawn flat");
-            break;
-    }
-    if (for_good) return;
-    const double pause = std::min(kFirstPauseSeconds * std::exp2(std::min(failures, 16u) - 1.0), kLongestPauseSeconds);
-    setback.until = Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(pause));
-    setbacks_.push_back(setback);
-}
-
-void Streamer::retry_due() {
-    const Clock::time_point now = Clock::now();
-    std::erase_if(setbacks_, [&](const Setback& setback) {
-        if (setback.until > now) return false;
-        const PlannedRequest& request = setback.request;
-        if (request.kind == RequestKind::kSubtree) directory_.mend(request.subtree);
-        if (request.kind == RequestKind::kFacadeIndex) knowledge_.facades_broken = false;
-        if (request.kind == RequestKind::kLayer) {
-            knowledge_.tiles[request.node].usable_steps[static_cast<size_t>(request.layer)] = setback.usable_before;
-        }
-        if (request.kind == RequestKind::kMaps) {
-            for (MapPiece piece = request.from; piece != request.to; piece = knowledge_.dictionary.next(piece)) {
-                if (cache_.at(map_key(piece)).damages < 2) knowledge_.dictionary.set_usable(piece, true);
-            }
-        }
-        return true;
-    });
 }
 
 /// The fetcher outlives the streamer and may serve another one: nothing of ours stays in it.
@@ -631,10 +635,7 @@ void Streamer::make_draws() {
 void Streamer::add_draw(NodeIndex node) {
     const SelectedTile* tile = is_selected(node) ? wanted_tile(node) : nullptr;
     const double pixels_per_metre = selector_.pixels_per_metre(node);
-    std::array<uint8_t, kLayerCount> steps;
-    steps.fill(TileKnowledge::kAllSteps);
-    if (tile != nullptr && options_.wait_for_selection) steps = tile->steps;
-    draws_.push_back(residency_.draw(node, steps));
+    draws_.push_back(residency_.draw(node, options_.wait_for_selection ? tile : nullptr));
     TileDraw& draw = draws_.back();
     std::vector<PlacementLevel> levels;
     if (tile == nullptr || tile->has_relief()) levels = selector_.placement_levels_of(node, selection_.tolerance);

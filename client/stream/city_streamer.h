@@ -52,6 +52,8 @@ struct StreamerFrame {
     uint64_t relief_tiles = 0, flat_tiles = 0;                 ///< drawn tiles with facades: ray cast, or flat
     std::array<uint64_t, codec::facade::kMostFacadeLevels> facade_maps{};  ///< in the store after it, by level
     uint64_t facade_index_bytes = 0, facade_map_bytes = 0;                 ///< of wire_bytes: the dictionary
+    uint64_t shared_charts = 0;                                            ///< in the store after it
+    uint64_t chart_index_bytes = 0, chart_level_bytes = 0;                 ///< of wire_bytes: the chart dictionary
     uint64_t map_conversions = 0, map_conversions_refused = 0;             ///< to the renderer's form, or not to it
     double map_conversion_ms = 0;                                          ///< all cores together
     uint64_t gpu_bytes_used = 0;                                           ///< slots in use, in bytes

@@ -48,6 +48,8 @@ Json frame_json(const FlightFrame& frame) {
               {"conversions", s.map_conversions},
               {"refused", s.map_conversions_refused},
               {"conversion_ms", milliseconds(s.map_conversion_ms)}}},
+            {"charts",
+             {{"shared", s.shared_charts}, {"index_bytes", s.chart_index_bytes}, {"level_bytes", s.chart_level_bytes}}},
             {"cache", {{"hits", s.cache_hits}, {"misses", s.cache_misses}}},
             {"tolerance_used", s.tolerance_used},
             {"achieved_error_pixels", s.achieved_error_pixels},
@@ -131,6 +133,16 @@ Json facades_json(const std::vector<FlightFrame>& frames, const FlightTotals& to
             {"conversion_ms", milliseconds(conversion_ms)}};
 }
 
+/// The chart dictionary: all 0 where the city has none.
+Json charts_json(const std::vector<FlightFrame>& frames) {
+    const uint64_t index = sum(frames, [](const FlightFrame& f) { return f.stream.chart_index_bytes; });
+    const uint64_t levels = sum(frames, [](const FlightFrame& f) { return f.stream.chart_level_bytes; });
+    return {{"shared_most", most(frames, [](const FlightFrame& f) { return f.stream.shared_charts; })},
+            {"dictionary_bytes", index + levels},
+            {"index_bytes", index},
+            {"level_bytes", levels}};
+}
+
 Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::string>& warnings,
              const FlightTotals& totals) {
     const FetcherStatistics& net = totals.fetcher;
@@ -150,6 +162,7 @@ Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::stri
           {"gpu_allocated", totals.gpu_bytes_allocated},
           {"frame_buffers", totals.frame_buffer_bytes}}},
         {"facades", facades_json(frames, totals)},
+        {"charts", charts_json(frames)},
         {"cache",
          {{"hits", sum(frames, [](const FlightFrame& f) { return f.stream.cache_hits; })},
           {"misses", sum(frames, [](const FlightFrame& f) { return f.stream.cache_misses; })}}},

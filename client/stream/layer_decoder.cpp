@@ -28,12 +28,13 @@ Result<LayerFacts> check_mesh(const DecodedPrefix& prefix, uint32_t chart_count)
     return facts;
 }
 
-Result<LayerFacts> check_atlas(const DecodedPrefix& prefix) {
-    const auto view = codec::atlas::AtlasLayerView::create(prefix.words, prefix.step_words);
+Result<LayerFacts> check_atlas(const DecodedPrefix& prefix, uint64_t dictionary_size) {
+    const auto view = codec::atlas::AtlasLayerView::create(prefix.words, prefix.step_words, dictionary_size);
     if (!view) return view.error();
     LayerFacts facts;
     facts.chart_count = view->chart_count();
     facts.finest_mip = view->finest_mip();
+    facts.shared_charts = view->shared_charts();
     return facts;
 }
 
@@ -67,14 +68,14 @@ bool decompress_prefix(std::span<const std::vector<std::byte>> wire, std::span<c
     return true;
 }
 
-Result<LayerFacts> check_layer(Layer layer, const DecodedPrefix& prefix, uint32_t chart_count, uint32_t map_count) {
+Result<LayerFacts> check_layer(Layer layer, const DecodedPrefix& prefix, const NameLimits& limits) {
     switch (layer) {
         case Layer::kMesh:
-            return check_mesh(prefix, chart_count);
+            return check_mesh(prefix, limits.charts);
         case Layer::kAtlas:
-            return check_atlas(prefix);
+            return check_atlas(prefix, limits.shared_charts);
         case Layer::kFacade:
-            return check_facade(prefix, chart_count, map_count);
+            return check_facade(prefix, limits.charts, limits.facade_maps);
         case Layer::kRadiance:
             break;
     }
@@ -82,10 +83,10 @@ Result<LayerFacts> check_layer(Layer layer, const DecodedPrefix& prefix, uint32_
 }
 
 bool decode_layer(Layer layer, std::span<const std::vector<std::byte>> wire,
-                  std::span<const tiles::tileset::StepRecord> steps, uint32_t chart_count, uint32_t map_count,
-                  DecodedPrefix& out, LayerFacts& facts, DecodeFailure& failure) {
+                  std::span<const tiles::tileset::StepRecord> steps, const NameLimits& limits, DecodedPrefix& out,
+                  LayerFacts& facts, DecodeFailure& failure) {
     if (!decompress_prefix(wire, steps, out, failure)) return false;
-    auto checked = check_layer(layer, out, chart_count, map_count);
+    auto checked = check_layer(layer, out, limits);
     if (checked) {
         facts = std::move(*checked);
         return true;
@@ -96,7 +97,7 @@ bool decode_layer(Layer layer, std::span<const std::vector<std::byte>> wire,
     while (shorter.step_words.size() > 1) {
         shorter.words.resize(shorter.words.size() - shorter.step_words.back());
         shorter.step_words.pop_back();
-        if (check_layer(layer, shorter, chart_count, map_count)) {
+        if (check_layer(layer, shorter, limits)) {
             failure.step = static_cast<uint32_t>(shorter.step_words.size());
             break;
         }

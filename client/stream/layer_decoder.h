@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "codec/atlas/atlas_layer.h"
 #include "codec/facade/facade_layer.h"
 #include "codec/result.h"
 #include "tiles/tileset/directory.h"
@@ -22,12 +23,20 @@ struct DecodedPrefix {
 struct LayerFacts {
     uint32_t mesh_triangles = 0, mesh_dressed_begin = 0;
     uint32_t chart_count = 0, finest_mip = 0;
+    std::vector<codec::atlas::SharedChartUse> shared_charts;
     std::vector<codec::facade::Placement> placements;
     std::vector<uint32_t> facade_maps;  ///< sorted, distinct
 };
 
 /// No limit on chart indices: the tile has no atlas, or it is not here yet.
 inline constexpr uint32_t kAnyChart = ~uint32_t{0};
+
+/// How many there are of what a layer names.
+struct NameLimits {
+    uint32_t charts = kAnyChart;  ///< of the tile's atlas (mesh and facade)
+    uint32_t facade_maps = 0;     ///< of the facade dictionary (facade)
+    uint64_t shared_charts = 0;   ///< of the chart dictionary (atlas)
+};
 
 /// Where decoding failed: the step whose bytes are bad.
 struct DecodeFailure {
@@ -39,14 +48,12 @@ struct DecodeFailure {
 bool decompress_prefix(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
                        DecodedPrefix& out, DecodeFailure& failure);
 
-/// Checks the words of a prefix as the codec of `layer` does. `chart_count`: of the tile's atlas (mesh and facade);
-/// `map_count`: of the dictionary (facade).
-Result<LayerFacts> check_layer(tiles::tileset::Layer layer, const DecodedPrefix& prefix, uint32_t chart_count,
-                               uint32_t map_count);
+/// Checks the words of a prefix as the codec of `layer` does.
+Result<LayerFacts> check_layer(tiles::tileset::Layer layer, const DecodedPrefix& prefix, const NameLimits& limits);
 
 /// Both, and on failure the first step without which the prefix before it is good.
 bool decode_layer(tiles::tileset::Layer layer, std::span<const std::vector<std::byte>> wire,
-                  std::span<const tiles::tileset::StepRecord> steps, uint32_t chart_count, uint32_t map_count,
-                  DecodedPrefix& out, LayerFacts& facts, DecodeFailure& failure);
+                  std::span<const tiles::tileset::StepRecord> steps, const NameLimits& limits, DecodedPrefix& out,
+                  LayerFacts& facts, DecodeFailure& failure);
 
 }  // namespace citystream::client

@@ -6,6 +6,7 @@
 
 namespace citystream::client {
 
+using tiles::tileset::ChartRecord;
 using tiles::tileset::FacadeMapRecord;
 using tiles::tileset::Manifest;
 using tiles::tileset::StepRecord;
@@ -44,6 +45,9 @@ uint64_t most_host_bytes(const PlannedRequest& request, const Manifest& manifest
     if (request.kind == RequestKind::kFacadeIndex) {
         return request.length + manifest.facade_index_decoded_bytes +
                manifest.facade_map_count * sizeof(FacadeMapRecord);
+    }
+    if (request.kind == RequestKind::kChartIndex) {
+        return request.length + manifest.chart_index_decoded_bytes + manifest.shared_chart_count * sizeof(ChartRecord);
     }
     return request.length;
 }

@@ -13,7 +13,7 @@ namespace citystream::client {
 uint64_t subtree_limit(const tiles::tileset::Manifest& manifest, uint64_t host_budget);
 
 /// Bytes that the answer and what is made of it on arrival take: a layer's or a map's range as it is (it is kept
-/// packed), the facade index with its records, a subtree with the records of its tiles and `bytes_per_tile` of the
+/// packed), an index with its records, a subtree with the records of its tiles and `bytes_per_tile` of the
 /// caller's own for each. Of subtrees that keep their columns apart, as FORMAT.md has them, none takes more; typically
 /// half of that.
 uint64_t most_host_bytes(const PlannedRequest& request, const tiles::tileset::Manifest& manifest, uint64_t host_budget,

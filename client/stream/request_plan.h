@@ -10,36 +10,38 @@
 
 namespace citystream::client {
 
-enum class RequestKind : uint8_t { kSubtree, kFacadeIndex, kLayer, kMaps };
+enum class RequestKind : uint8_t { kSubtree, kFacadeIndex, kChartIndex, kLayer, kMaps, kCharts };
 
 /// One range request: the bytes between the resident and the wanted prefix of a layer, neighbouring levels of facade
-/// maps, or a piece of the directory.
+/// maps or of shared charts, or a piece of the directory.
 struct PlannedRequest {
     RequestKind kind = RequestKind::kLayer;
     tiles::tileset::TileAddress subtree;
     NodeIndex node = kNoNode;
     tiles::tileset::Layer layer = tiles::tileset::Layer::kMesh;
-    uint32_t from = 0, to = 0;  ///< steps [from, to), or pieces of the dictionary (MapPiece)
+    uint32_t from = 0, to = 0;  ///< steps [from, to), or pieces of a dictionary (MapPiece, ChartPiece)
     uint64_t offset = 0, length = 0;
     double priority = 0;
 };
 
 /// What may be asked for now.
 struct PlanOptions {
-    /// Ask for what the choice itself depends on first (subtrees, then placements), and for nothing else until it is
-    /// here: no byte is fetched for a choice that changes. Else ask for all at once.
+    /// Ask for what the choice itself depends on first (subtrees, then placements, atlases that may name shared charts
+    /// and the indices), and for nothing else until it is here: no byte is fetched for a choice that changes. Else ask
+    /// for all at once.
     bool directory_first = true;
     /// A coarse picture soon: of tiles that are not here at all first their *openings*, the fewest steps that make a
-    /// picture of them; then the facade index and the rest. And while nothing covers the view, nothing but the
-    /// directory and then openings, for all connections share one link.
+    /// picture of them (shared charts with their first level); then the facade index and the rest. And while nothing
+    /// covers the view, nothing but the directory and then openings, for all connections share one link.
     bool coarse_first = false;
     bool facade_index_requested = false;
-    /// Host memory has room beside what the view needs: levels of maps that few bytes part are one range, whose bytes
-    /// between come along, and the stand-in may go before the view.
+    bool chart_index_requested = false;
+    /// Host memory has room beside what the view needs: levels of maps or of charts that few bytes part are one range,
+    /// whose bytes between come along, and the stand-in may go before the view.
     bool host_room = true;
 };
 
-/// Bytes between two wanted levels of maps that cost less than the heads of one more request and its answer.
+/// Bytes between two wanted levels of a dictionary that cost less than the heads of one more request and its answer.
 inline constexpr uint64_t kBridgedGap = 256;
 
 /// Priority of directory pieces: before any layer.

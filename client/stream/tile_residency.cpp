@@ -13,6 +13,8 @@ using tiles::tileset::TileRecord;
 
 namespace {
 
+constexpr uint32_t kAllSteps = TileKnowledge::kAllSteps;
+
 uint64_t step_begin(const std::vector<StepRecord>& steps, uint32_t step) {
     return step == 0 ? 0 : steps[step - 1].end;
 }
@@ -60,9 +62,39 @@ void TileResidency::accept_layer(NodeIndex node, Layer layer, uint32_t from, uin
             damaged(entry, node, layer, i, "checksum differs");
             return;
         }
+        if (layer == Layer::kAtlas && i == 0 && !learn_shared_charts(node, part)) return;
         cache_.add_wire(entry, {part.begin(), part.end()}, keep);
     }
     if (layer == Layer::kFacade && entry.wire_steps == steps.size()) learn_facade_maps(node);
+}
+
+/// Limits of what its layers name, as far as its atlas is here.
+NameLimits TileResidency::limits_of(NodeIndex node) const {
+    const auto& manifest = directory_.manifest();
+    return {facts_[node].chart_count, static_cast<uint32_t>(manifest.facade_map_count), manifest.shared_chart_count};
+}
+
+/// Which shared charts a tile shows is known as soon as the first step of its atlas is here: the budget counts them,
+/// and a client that does not decode asks for them, too. False: the step is damaged.
+bool TileResidency::learn_shared_charts(NodeIndex node, std::span<const std::byte> first_step) {
+    TileKnowledge& known = knowledge_.tiles[node];
+    if (known.charts_known || directory_.manifest().shared_chart_count == 0) return true;
+    const std::span<const StepRecord> step = std::span(directory_.node(node).record->steps(Layer::kAtlas)).first(1);
+    const Scratch scratch(host_, first_step.size() + 2 * step[0].decoded_bytes);
+    const Stopwatch watch(counters_.decode_ms);
+    const std::vector<std::vector<std::byte>> wire = {{first_step.begin(), first_step.end()}};
+    DecodedPrefix prefix;
+    LayerFacts facts;
+    DecodeFailure failure;
+    if (!decode_layer(Layer::kAtlas, wire, step, limits_of(node), prefix, facts, failure)) {
+        damaged(cache_.at(layer_key(node, Layer::kAtlas)), node, Layer::kAtlas, 0, failure.message);
+        return false;
+    }
+    known.charts = std::move(facts.shared_charts);
+    known.charts_known = true;
+    host_.fixed += known.charts.size() * sizeof(known.charts[0]);
+    host_.note_peak();
+    return true;
 }
 
 /// Which facades a tile has is known as soon as its placements are here, before anything is drawn: the budget counts
@@ -77,8 +109,9 @@ void TileResidency::learn_facade_maps(NodeIndex node) {
     DecodedPrefix prefix;
     LayerFacts facts;
     DecodeFailure failure;
-    const auto map_count = static_cast<uint32_t>(directory_.manifest().facade_map_count);
-    if (!decode_layer(Layer::kFacade, entry.wire, steps, kAnyChart, map_count, prefix, facts, failure)) {
+    NameLimits limits = limits_of(node);
+    limits.charts = kAnyChart;  // the atlas may not be here yet
+    if (!decode_layer(Layer::kFacade, entry.wire, steps, limits, prefix, facts, failure)) {
         damaged(entry, node, Layer::kFacade, failure.step, failure.message);
         return;
     }
@@ -123,8 +156,7 @@ bool TileResidency::decode_to_store(CachedLayer& entry, NodeIndex node, Layer la
     DecodedPrefix prefix;
     LayerFacts facts;
     DecodeFailure failure;
-    const auto map_count = static_cast<uint32_t>(directory_.manifest().facade_map_count);
-    if (!decode_layer(layer, entry.wire, wanted, facts_[node].chart_count, map_count, prefix, facts, failure)) {
+    if (!decode_layer(layer, entry.wire, wanted, limits_of(node), prefix, facts, failure)) {
         damaged(entry, node, layer, failure.step, failure.message);
         return false;
     }
@@ -159,7 +191,8 @@ bool TileResidency::drawable(NodeIndex node) {
         const CachedLayer* entry = cache_.find(layer_key(node, layer));
         if (entry == nullptr || entry->store_steps == 0) return false;
     }
-    return true;
+    const auto& charts = knowledge_.tiles[node].charts;
+    return std::all_of(charts.begin(), charts.end(), [&](const auto& use) { return charts_.can_show(use); });
 }
 
 bool TileResidency::add_relief(NodeIndex node, std::span<const PlacementLevel> levels, TileDraw& out) {
@@ -186,7 +219,20 @@ bool TileResidency::add_relief(NodeIndex node, std::span<const PlacementLevel> l
     return true;
 }
 
-TileDraw TileResidency::draw(NodeIndex node, const std::array<uint8_t, kLayerCount>& steps) {
+void TileResidency::add_atlas(NodeIndex node, CachedLayer& atlas, const SelectedTile* chosen, TileDraw& out) {
+    const Facts& facts = facts_[node];
+    cache_.mark_drawn(atlas);
+    out.atlas = atlas.id;
+    out.chart_count = facts.chart_count;
+    const uint32_t wanted = chosen != nullptr ? std::max<uint32_t>(1, chosen->steps_of(Layer::kAtlas)) : kAllSteps;
+    out.atlas_finest_mip = facts.coarsest_step_mip - (std::min(wanted, atlas.store_steps) - 1);
+    for (const auto& use : knowledge_.tiles[node].charts) {
+        const uint32_t levels = chosen != nullptr ? chosen->chart_levels(use.number) : codec::atlas::kMostChartLevels;
+        out.shared_charts.push_back(charts_.to_draw(use, levels));
+    }
+}
+
+TileDraw TileResidency::draw(NodeIndex node, const SelectedTile* chosen) {
     const TileRecord& record = *directory_.node(node).record;
     const Facts& facts = facts_[node];
     const GridPoint origin = directory_.manifest().tile_origin(record);
@@ -195,18 +241,15 @@ TileDraw TileResidency::draw(NodeIndex node, const std::array<uint8_t, kLayerCou
     CachedLayer& mesh = cache_.at(layer_key(node, Layer::kMesh));
     cache_.mark_drawn(mesh);
     out.mesh = mesh.id;
-    const uint32_t mesh_steps = std::min<uint32_t>(steps[static_cast<size_t>(Layer::kMesh)], mesh.store_steps);
+    const uint32_t mesh_steps =
+        std::min<uint32_t>(chosen != nullptr ? chosen->steps_of(Layer::kMesh) : kAllSteps, mesh.store_steps);
     for (uint32_t i = 0; i < mesh_steps; ++i) {
         out.mesh_step_words.push_back(record.steps(Layer::kMesh)[i].decoded_bytes / 4);
     }
     out.mesh_triangles = facts.mesh_triangles;
     out.mesh_dressed_begin = facts.mesh_dressed_begin;
-    if (CachedLayer* atlas = cache_.find(layer_key(node, Layer::kAtlas)); atlas != nullptr && atlas->store_steps > 0) {
-        cache_.mark_drawn(*atlas);
-        out.atlas = atlas->id;
-        const uint32_t wanted = std::max<uint32_t>(1, steps[static_cast<size_t>(Layer::kAtlas)]);
-        out.atlas_finest_mip = facts.coarsest_step_mip - (std::min(wanted, atlas->store_steps) - 1);
-    }
+    CachedLayer* atlas = cache_.find(layer_key(node, Layer::kAtlas));
+    if (atlas != nullptr && atlas->store_steps > 0) add_atlas(node, *atlas, chosen, out);
     return out;
 }
 

@@ -9,6 +9,7 @@
 #include "client/render/frame.h"
 #include "client/select/city_knowledge.h"
 #include "client/select/selection.h"
+#include "client/stream/chart_residency.h"
 #include "client/stream/layer_decoder.h"
 #include "client/stream/map_residency.h"
 #include "client/stream/residency_counters.h"
@@ -22,12 +23,14 @@ namespace citystream::client {
 class TileResidency {
   public:
     TileResidency(const DirectoryCache& directory, CityKnowledge& knowledge, LayerCache& cache, HostMemory& host,
-                  MapResidency& maps, Warnings& warnings, ResidencyCounters& counters, bool decode)
+                  MapResidency& maps, ChartResidency& charts, Warnings& warnings, ResidencyCounters& counters,
+                  bool decode)
         : directory_(directory),
           knowledge_(knowledge),
           cache_(cache),
           host_(host),
           maps_(maps),
+          charts_(charts),
           warnings_(warnings),
           counters_(counters),
           decode_(decode) {}
@@ -44,14 +47,15 @@ class TileResidency {
     /// Brings what is received of the tile's wanted prefixes to the store; atlas first, for it knows the charts.
     void upload(const SelectedTile& wanted);
 
-    /// Mesh and atlas have at least their first steps in the store (a tile without mesh has nothing to draw).
+    /// Mesh and atlas have at least their first steps in the store, and its shared charts something to show (a tile
+    /// without mesh has nothing to draw).
     bool drawable(NodeIndex node);
     bool has_mesh(NodeIndex node) const {
         return !directory_.node(node).record->steps(tiles::tileset::Layer::kMesh).empty();
     }
-    /// The tile with the given steps of mesh and atlas, or fewer where fewer are in the store. Marks its layers as
-    /// drawn.
-    TileDraw draw(NodeIndex node, const std::array<uint8_t, tiles::tileset::kLayerCount>& steps);
+    /// The tile with the steps of mesh, atlas and shared charts that `chosen` has (null: all of them), or fewer where
+    /// fewer are in the store. Marks its layers as drawn.
+    TileDraw draw(NodeIndex node, const SelectedTile* chosen);
     /// Adds its facades to a draw, each with the level of its map that comes next to the wanted one (`levels`: by
     /// placement), and marks what they need as drawn. False, and nothing is added: its placements or all levels of a
     /// map of them are not in the store.
@@ -65,7 +69,10 @@ class TileResidency {
         uint32_t mesh_triangles = 0, mesh_dressed_begin = 0;
     };
     void damaged(CachedLayer& layer, NodeIndex node, tiles::tileset::Layer kind, uint32_t step, const std::string& why);
+    NameLimits limits_of(NodeIndex node) const;
     void learn_facade_maps(NodeIndex node);
+    bool learn_shared_charts(NodeIndex node, std::span<const std::byte> first_step);
+    void add_atlas(NodeIndex node, CachedLayer& atlas, const SelectedTile* chosen, TileDraw& out);
     void upload_layer(NodeIndex node, tiles::tileset::Layer layer, uint32_t wanted);
     bool decode_to_store(CachedLayer& entry, NodeIndex node, tiles::tileset::Layer layer, uint32_t steps);
     void remember(NodeIndex node, tiles::tileset::Layer layer, uint32_t steps, LayerFacts& facts);
@@ -75,6 +82,7 @@ class TileResidency {
     LayerCache& cache_;
     HostMemory& host_;
     MapResidency& maps_;
+    ChartResidency& charts_;
     Warnings& warnings_;
     ResidencyCounters& counters_;
     bool decode_;

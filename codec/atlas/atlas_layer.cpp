@@ -1,39 +1,21 @@
 #include "codec/atlas/atlas_layer.h"
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <cmath>
-#include <optional>
 #include <string>
 
 #include "codec/atlas/atlas_layout.h"
 #include "codec/atlas/bc1.h"
-#include "codec/atlas/bc1_rate.h"
+#include "codec/atlas/mip_plan.h"
+#include "codec/atlas/shared_chart.h"
+#include "codec/atlas/step_blocks.h"
 
 namespace citystream::codec::atlas {
 
 namespace {
 
-constexpr uint32_t kMaxSide = 8192;
-constexpr uint64_t kStep0Bytes = 4096;
-constexpr uint32_t kMipTable = 8;  ///< where the encoder puts the 16 words
-constexpr uint32_t kBlockWords = 2;
-static_assert(kMipTable + 16 == ATLAS_HEADER_WORDS);
-static_assert(kMaxSide == 1u << (ATLAS_MAX_MIPS - 1));
-
-uint32_t mip_side(uint32_t side, uint32_t mip) {
-    return std::max(1u, side >> mip);
-}
-
-uint64_t block_words(uint32_t width, uint32_t height, uint32_t mip) {
-    return uint64_t{(mip_side(width, mip) + 3) / 4} * ((mip_side(height, mip) + 3) / 4) * kBlockWords;
-}
-
-/// Mips down to 1 x 1.
-uint32_t natural_mip_count(uint32_t width, uint32_t height) {
-    return static_cast<uint32_t>(std::bit_width(std::max(width, height)));
-}
+static_assert(kMipTableAt + 16 == ATLAS_HEADER_WORDS);
 
 /// One output texel's taps along one axis: texels 2i, 2i + 1, 2i + 2 of the finer mip, weights adding up to `total`.
 struct Taps {
@@ -75,117 +57,117 @@ void filter_even_row(const ChartImage& fine, uint32_t y, uint32_t width, uint8_t
     }
 }
 
-/// The blocks of one step. With rate-distortion optimisation, images of several blocks have each chosen by those
-/// before.
-class StepBlocks {
-  public:
-    StepBlocks(std::vector<uint32_t>& words, const AtlasOptions& options) : words_(words) {
-        if (options.rate_distortion == 0) return;
-        Bc1RateOptions rate;
-        rate.lambda = options.rate_distortion;
-        rate_.emplace(rate);
-    }
-
-    /// Appends the blocks of an image, bottom row first; beyond its edges the last column and row repeat.
-    void append(const ChartImage& image) {
-        const uint32_t rows = std::max(4u, kBlocksAtOnce / ((image.width + 3) / 4) * 4);
-        for (uint32_t y = 0; y < image.height; y += rows) {
-            const uint32_t height = std::min(rows, image.height - y);
-            const size_t row = 3 * size_t{image.width};
-            append(std::span(image.rgb).subspan(y * row, height * row), image.width, height);
-        }
-    }
-
-  private:
-    void append(std::span<const uint8_t> rgb, uint32_t width, uint32_t height) {
-        // One block may be the colour of a whole wall, where any loss shows (FLIP of Ingolstadt at strength 4: 0.0098
-        // instead of 0.0072): these are the best ones, for a thousandth of the bytes.
-        const bool rated = rate_ && (width > 4 || height > 4);
-        const auto blocks =
-            rated ? rate_->encode(bc1_blocks_of(rgb, width, height)) : encode_bc1_image(rgb, width, height);
-        words_.insert(words_.end(), blocks.begin(), blocks.end());
-    }
-
-    static constexpr uint32_t kBlocksAtOnce = 4096;  // bounds what an image takes beside its texels
-    std::vector<uint32_t>& words_;
-    std::optional<Bc1RateEncoder> rate_;
-};
-
-/// How the mips of a set of charts are spread over steps.
-struct MipPlan {
-    uint32_t mip_count = 1;  ///< of the largest chart
-    uint32_t step0_mip = 0;  ///< finest mip of step 0
-
-    /// A chart has mips down to 1 x 1, and repeats that one until it has a mip in step 0: every prefix shows every
-    /// chart.
-    uint32_t chart_mips(const ChartImage& chart) const {
-        return std::max(natural_mip_count(chart.width, chart.height), step0_mip + 1);
-    }
-};
-
-uint64_t part_words(std::span<const ChartImage> charts, const MipPlan& plan, uint32_t mip) {
-    uint64_t words = charts.size();
-    for (const ChartImage& chart : charts) {
-        if (mip < plan.chart_mips(chart)) words += block_words(chart.width, chart.height, mip);
-    }
-    return words;
-}
-
-MipPlan plan_mips(std::span<const ChartImage> charts) {
-    MipPlan plan;
-    for (const ChartImage& chart : charts)
-        plan.mip_count = std::max(plan.mip_count, natural_mip_count(chart.width, chart.height));
-    for (plan.step0_mip = 0; plan.step0_mip + 1 < plan.mip_count; ++plan.step0_mip) {
-        uint64_t words = 0;
-        for (uint32_t mip = plan.step0_mip; mip < plan.mip_count; ++mip) words += part_words(charts, plan, mip);
-        if (words * sizeof(uint32_t) <= kStep0Bytes) break;
-    }
-    return plan;
+ChartSize size_of(const ChartImage& chart) {
+    return {chart.width, chart.height};
 }
 
 /// The largest texel of any chart when mip `mip` is the finest there is.
 float mip_error(std::span<const ChartImage> charts, uint32_t mip) {
     float error = 0;
     for (const ChartImage& chart : charts) {
-        const uint32_t own = std::min(mip, natural_mip_count(chart.width, chart.height) - 1);
+        const uint32_t own = std::min(mip, natural_mip_count(size_of(chart)) - 1);
         error = std::max(error, std::ldexp(chart.metres_per_texel, static_cast<int>(own)));
     }
     return error;
 }
 
-void append_part(std::vector<uint32_t>& words, StepBlocks& blocks, std::span<const std::vector<ChartImage>> mips,
-                 uint32_t mip) {
-    const size_t begin = words.size();
-    words.resize(begin + mips.size(), 0);
-    for (size_t chart = 0; chart < mips.size(); ++chart) {
-        if (mip >= mips[chart].size()) continue;
-        words[begin + chart] = static_cast<uint32_t>(words.size() - begin);
-        blocks.append(mips[chart][mip]);
+/// The charts of a layer as its table lists them, and their mips.
+class LayerEncoding {
+  public:
+    LayerEncoding(std::span<const ChartImage> charts, std::span<const SharedChartUse> shared,
+                  const AtlasOptions& options)
+        : charts_(charts), shared_(shared), options_(options), total_(charts.size() + shared.size()) {
+        for (const ChartImage& chart : charts) sizes_.push_back(size_of(chart));
+        plan_ = plan_mips(sizes_, total_);
+        place_charts();
+        mips_.resize(charts.size());
+        for (size_t i = 0; i < charts.size(); ++i) {
+            assert(charts[i].width >= 1 && charts[i].width <= kGreatestChartSide);
+            assert(charts[i].height >= 1 && charts[i].height <= kGreatestChartSide);
+            assert(charts[i].rgb.size() == 3 * size_t{charts[i].width} * charts[i].height);
+            mips_[i].push_back(charts[i]);
+            while (mips_[i].size() < plan_.chart_mips(sizes_[i])) mips_[i].push_back(downsample(mips_[i].back()));
+        }
     }
-}
 
-std::vector<uint32_t> header_words(std::span<const ChartImage> charts, const MipPlan& plan) {
-    std::vector<uint32_t> words(ATLAS_HEADER_WORDS, 0);
-    words[ATLAS_WORD_MAGIC] = ATLAS_MAGIC;
-    words[ATLAS_WORD_CHART_COUNT] = static_cast<uint32_t>(charts.size());
-    words[ATLAS_WORD_MIP_COUNT] = plan.mip_count;
-    words[ATLAS_WORD_STEP0_MIP] = plan.step0_mip;
-    words[ATLAS_WORD_MIP_TABLE] = kMipTable;
-    for (const ChartImage& chart : charts) {
-        const uint32_t repeat =
-            (chart.repeat_u ? ATLAS_CHART_REPEAT_U : 0u) | (chart.repeat_v ? ATLAS_CHART_REPEAT_V : 0u);
-        words.push_back(chart.width | chart.height << 16);
-        words.push_back(repeat | plan.chart_mips(chart) << 8);
+    LayerSteps steps() const {
+        LayerSteps steps(1);
+        steps[0].words = header_words();
+        StepBlocks step0_blocks(steps[0].words, options_.rate_distortion);
+        for (uint32_t mip = plan_.mip_count; mip-- > plan_.step0_mip;) append_part(steps[0].words, step0_blocks, mip);
+        steps[0].error = mip_error(charts_, plan_.step0_mip);
+        for (uint32_t mip = plan_.step0_mip; mip-- > 0;) {
+            LayerStep& step = steps.emplace_back();
+            StepBlocks blocks(step.words, options_.rate_distortion);
+            append_part(step.words, blocks, mip);
+            step.error = mip_error(charts_, mip);
+        }
+        return steps;
     }
-    // Coarsest first, so that the parts of later steps only follow.
-    uint64_t begin = words.size();
-    for (uint32_t mip = plan.mip_count; mip-- > 0;) {
-        words[kMipTable + mip] = static_cast<uint32_t>(begin);
-        begin += part_words(charts, plan, mip);
+
+  private:
+    /// Where in the table the local charts go: what the shared ones leave.
+    void place_charts() {
+        auto shared = shared_.begin();
+        for (uint32_t place = 0; place < total_; ++place) {
+            if (shared != shared_.end() && shared->chart_in_tile == place) {
+                ++shared;
+            } else {
+                places_.push_back(place);
+            }
+        }
+        assert(shared == shared_.end() && places_.size() == charts_.size());
     }
-    assert(begin <= ~uint32_t{0});
-    return words;
-}
+
+    std::vector<uint32_t> header_words() const {
+        std::vector<uint32_t> words(ATLAS_HEADER_WORDS + ATLAS_CHART_WORDS * total_, 0);
+        words[ATLAS_WORD_MAGIC] = ATLAS_MAGIC;
+        words[ATLAS_WORD_CHART_COUNT] = static_cast<uint32_t>(total_);
+        words[ATLAS_WORD_MIP_COUNT] = plan_.mip_count;
+        words[ATLAS_WORD_STEP0_MIP] = plan_.step0_mip;
+        words[ATLAS_WORD_MIP_TABLE] = kMipTableAt;
+        const auto entry = [&words](uint32_t place) { return &words[ATLAS_HEADER_WORDS + ATLAS_CHART_WORDS * place]; };
+        for (size_t i = 0; i < charts_.size(); ++i) {
+            const ChartImage& chart = charts_[i];
+            const uint32_t repeat =
+                (chart.repeat_u ? ATLAS_CHART_REPEAT_U : 0u) | (chart.repeat_v ? ATLAS_CHART_REPEAT_V : 0u);
+            entry(places_[i])[ATLAS_CHART_SIZE] = chart.width | chart.height << 16;
+            entry(places_[i])[ATLAS_CHART_FLAGS] = repeat | plan_.chart_mips(sizes_[i]) << 8;
+        }
+        for (const SharedChartUse& use : shared_) {
+            entry(use.chart_in_tile)[ATLAS_CHART_SIZE] = use.number;
+            entry(use.chart_in_tile)[ATLAS_CHART_FLAGS] = ATLAS_CHART_SHARED | coarse_float_bits(use.metres_per_texel)
+                                                                                   << 16;
+        }
+        // Coarsest first, so that the parts of later steps only follow.
+        uint64_t begin = words.size();
+        for (uint32_t mip = plan_.mip_count; mip-- > 0;) {
+            words[kMipTableAt + mip] = static_cast<uint32_t>(begin);
+            begin += part_words(sizes_, total_, plan_, mip);
+        }
+        assert(begin <= ~uint32_t{0});
+        return words;
+    }
+
+    void append_part(std::vector<uint32_t>& words, StepBlocks& blocks, uint32_t mip) const {
+        const size_t begin = words.size();
+        words.resize(begin + total_, 0);
+        for (size_t i = 0; i < charts_.size(); ++i) {
+            if (mip >= mips_[i].size()) continue;
+            words[begin + places_[i]] = static_cast<uint32_t>(words.size() - begin);
+            blocks.append(mips_[i][mip].rgb, mips_[i][mip].width, mips_[i][mip].height);
+        }
+    }
+
+    std::span<const ChartImage> charts_;
+    std::span<const SharedChartUse> shared_;
+    AtlasOptions options_;
+    uint64_t total_;
+    std::vector<ChartSize> sizes_;
+    MipPlan plan_;
+    std::vector<uint32_t> places_;
+    std::vector<std::vector<ChartImage>> mips_;
+};
 
 }  // namespace
 
@@ -209,28 +191,9 @@ ChartImage downsample(const ChartImage& image) {
     return coarse;
 }
 
-LayerSteps encode_atlas(std::span<const ChartImage> charts, const AtlasOptions& options) {
-    const MipPlan plan = plan_mips(charts);
-    std::vector<std::vector<ChartImage>> mips(charts.size());
-    for (size_t i = 0; i < charts.size(); ++i) {
-        const ChartImage& chart = charts[i];
-        assert(chart.width >= 1 && chart.width <= kMaxSide && chart.height >= 1 && chart.height <= kMaxSide);
-        assert(chart.rgb.size() == 3 * size_t{chart.width} * chart.height);
-        mips[i].push_back(chart);
-        while (mips[i].size() < plan.chart_mips(chart)) mips[i].push_back(downsample(mips[i].back()));
-    }
-    LayerSteps steps(1);
-    steps[0].words = header_words(charts, plan);
-    StepBlocks step0_blocks(steps[0].words, options);
-    for (uint32_t mip = plan.mip_count; mip-- > plan.step0_mip;) append_part(steps[0].words, step0_blocks, mips, mip);
-    steps[0].error = mip_error(charts, plan.step0_mip);
-    for (uint32_t mip = plan.step0_mip; mip-- > 0;) {
-        LayerStep& step = steps.emplace_back();
-        StepBlocks blocks(step.words, options);
-        append_part(step.words, blocks, mips, mip);
-        step.error = mip_error(charts, mip);
-    }
-    return steps;
+LayerSteps encode_atlas(std::span<const ChartImage> charts, const AtlasOptions& options,
+                        std::span<const SharedChartUse> shared) {
+    return LayerEncoding(charts, shared, options).steps();
 }
 
 namespace {
@@ -257,7 +220,7 @@ Status check_header(std::span<const uint32_t> words, std::span<const uint32_t> s
     if (step_words.size() - 1 > words[ATLAS_WORD_STEP0_MIP])
         return error_at("more steps than mips", ATLAS_WORD_STEP0_MIP);
     const uint64_t table = words[ATLAS_WORD_MIP_TABLE];
-    if (table < kMipTable || table + 16 > end)
+    if (table < kMipTableAt || table + 16 > end)
         return error_at("mip table reaches outside step 0", ATLAS_WORD_MIP_TABLE);
     if (words[ATLAS_WORD_CHART_COUNT] > (end - ATLAS_HEADER_WORDS) / ATLAS_CHART_WORDS) {
         return error_at("chart table reaches outside step 0", ATLAS_WORD_CHART_COUNT);
@@ -265,23 +228,48 @@ Status check_header(std::span<const uint32_t> words, std::span<const uint32_t> s
     return Done{};
 }
 
-Status check_chart_table(std::span<const uint32_t> words) {
+ChartSize size_in_table(std::span<const uint32_t> words, uint64_t entry) {
+    const uint32_t size = words[entry + ATLAS_CHART_SIZE];
+    return {size & 0xffffu, size >> 16};
+}
+
+/// Of a chart's flags word; 0 for shared charts.
+uint32_t mips_of(uint32_t flags) {
+    return flags >> 8 & 0xffu;
+}
+
+Status check_shared_chart(std::span<const uint32_t> words, uint64_t entry, uint64_t dictionary_size) {
+    const uint32_t flags = words[entry + ATLAS_CHART_FLAGS];
+    if (words[entry + ATLAS_CHART_SIZE] >= dictionary_size)
+        return error_at("shared chart that the dictionary has not", entry + ATLAS_CHART_SIZE);
+    if ((flags & 0xffffu) != ATLAS_CHART_SHARED)
+        return error_at("shared chart with mips or other flags", entry + ATLAS_CHART_FLAGS);
+    const float metres = from_coarse_float_bits(flags >> 16);
+    if (!std::isfinite(metres) || std::signbit(metres))
+        return error_at("shared chart without a length of its texels", entry + ATLAS_CHART_FLAGS);
+    return Done{};
+}
+
+Status check_local_chart(std::span<const uint32_t> words, uint64_t entry) {
+    const ChartSize size = size_in_table(words, entry);
+    if (size.width == 0 || size.height == 0 || size.width > kGreatestChartSide || size.height > kGreatestChartSide)
+        return error_at("chart size out of range", entry + ATLAS_CHART_SIZE);
+    const uint32_t flags = words[entry + ATLAS_CHART_FLAGS];
+    if (mips_of(flags) <= words[ATLAS_WORD_STEP0_MIP] || mips_of(flags) > words[ATLAS_WORD_MIP_COUNT]) {
+        return error_at("chart without a mip in step 0, or with more than the atlas has", entry + ATLAS_CHART_FLAGS);
+    }
+    if ((flags & 0xffff00ffu & ~(ATLAS_CHART_REPEAT_U | ATLAS_CHART_REPEAT_V)) != 0)
+        return error_at("unknown chart flags", entry + ATLAS_CHART_FLAGS);
+    return Done{};
+}
+
+Status check_chart_table(std::span<const uint32_t> words, uint64_t dictionary_size) {
     for (uint64_t chart = 0; chart < words[ATLAS_WORD_CHART_COUNT]; ++chart) {
         const uint64_t entry = ATLAS_HEADER_WORDS + chart * ATLAS_CHART_WORDS;
-        const uint32_t width = words[entry + ATLAS_CHART_SIZE] & 0xffffu;
-        const uint32_t height = words[entry + ATLAS_CHART_SIZE] >> 16;
-        if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide) {
-            return error_at("chart size out of range", entry + ATLAS_CHART_SIZE);
-        }
-        const uint32_t flags = words[entry + ATLAS_CHART_FLAGS];
-        const uint32_t mips = flags >> 8;
-        if (mips <= words[ATLAS_WORD_STEP0_MIP] || mips > words[ATLAS_WORD_MIP_COUNT]) {
-            return error_at("chart without a mip in step 0, or with more than the atlas has",
-                            entry + ATLAS_CHART_FLAGS);
-        }
-        if ((flags & 0xffu & ~(ATLAS_CHART_REPEAT_U | ATLAS_CHART_REPEAT_V)) != 0) {
-            return error_at("unknown chart flags", entry + ATLAS_CHART_FLAGS);
-        }
+        const bool shared = (words[entry + ATLAS_CHART_FLAGS] & ATLAS_CHART_SHARED) != 0;
+        const Status status =
+            shared ? check_shared_chart(words, entry, dictionary_size) : check_local_chart(words, entry);
+        if (!status) return status;
     }
     return Done{};
 }
@@ -296,14 +284,13 @@ Status check_part(std::span<const uint32_t> words, uint32_t mip, uint64_t begin,
     }
     for (uint64_t chart = 0; chart < charts; ++chart) {
         const uint64_t entry = ATLAS_HEADER_WORDS + chart * ATLAS_CHART_WORDS;
-        const uint32_t size = words[entry + ATLAS_CHART_SIZE];
         const uint64_t offset = words[part + chart];
-        if (mip >= words[entry + ATLAS_CHART_FLAGS] >> 8) {
+        if (mip >= mips_of(words[entry + ATLAS_CHART_FLAGS])) {
             if (offset != 0) return error_at("blocks of a mip that the chart has not", part + chart);
             continue;
         }
         const uint64_t room = end - part;
-        if (offset < charts || offset > room || block_words(size & 0xffffu, size >> 16, mip) > room - offset) {
+        if (offset < charts || offset > room || block_words(size_in_table(words, entry), mip) > room - offset) {
             return error_at("blocks of mip " + std::to_string(mip) + " reach outside their step", part + chart);
         }
     }
@@ -312,9 +299,10 @@ Status check_part(std::span<const uint32_t> words, uint32_t mip, uint64_t begin,
 
 }  // namespace
 
-Result<AtlasLayerView> AtlasLayerView::create(std::span<const uint32_t> words, std::span<const uint32_t> step_words) {
+Result<AtlasLayerView> AtlasLayerView::create(std::span<const uint32_t> words, std::span<const uint32_t> step_words,
+                                              uint64_t dictionary_size) {
     if (const Status status = check_header(words, step_words); !status) return status.error();
-    if (const Status status = check_chart_table(words); !status) return status.error();
+    if (const Status status = check_chart_table(words, dictionary_size); !status) return status.error();
     const uint32_t step0_mip = words[ATLAS_WORD_STEP0_MIP];
     const uint64_t tables_end = ATLAS_HEADER_WORDS + uint64_t{words[ATLAS_WORD_CHART_COUNT]} * ATLAS_CHART_WORDS;
     for (uint32_t mip = step0_mip; mip < words[ATLAS_WORD_MIP_COUNT]; ++mip) {
@@ -352,15 +340,29 @@ uint32_t AtlasLayerView::flags(uint32_t chart) const {
 }
 
 uint32_t AtlasLayerView::mip_count(uint32_t chart) const {
-    return flags(chart) >> 8;
+    return mips_of(flags(chart));
+}
+
+bool AtlasLayerView::is_shared(uint32_t chart) const {
+    return (flags(chart) & ATLAS_CHART_SHARED) != 0;
+}
+
+std::vector<SharedChartUse> AtlasLayerView::shared_charts() const {
+    std::vector<SharedChartUse> uses;
+    for (uint32_t chart = 0; chart < chart_count(); ++chart) {
+        if (!is_shared(chart)) continue;
+        const size_t entry = ATLAS_HEADER_WORDS + size_t{chart} * ATLAS_CHART_WORDS;
+        uses.push_back({chart, words_[entry + ATLAS_CHART_SIZE], from_coarse_float_bits(flags(chart) >> 16)});
+    }
+    return uses;
 }
 
 void AtlasLayerView::texel(uint32_t chart, uint32_t mip, uint32_t x, uint32_t y, uint8_t rgb[3]) const {
-    assert(mip >= finest_mip_ && mip < mip_count(chart));
+    assert(!is_shared(chart) && mip >= finest_mip_ && mip < mip_count(chart));
     assert(x < mip_side(width(chart), mip) && y < mip_side(height(chart), mip));
     const size_t part = words_[words_[ATLAS_WORD_MIP_TABLE] + mip];
     const size_t blocks_across = (mip_side(width(chart), mip) + 3) / 4;
-    const size_t block = part + words_[part + chart] + (y / 4 * blocks_across + x / 4) * kBlockWords;
+    const size_t block = part + words_[part + chart] + (y / 4 * blocks_across + x / 4) * kBc1BlockWords;
     decode_bc1_texel(&words_[block], y % 4 * 4 + x % 4, rgb);
 }
 

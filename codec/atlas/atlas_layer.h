@@ -30,18 +30,34 @@ struct AtlasOptions {
     uint32_t rate_distortion = 0;
 };
 
+/// A chart of the tile that lies in the city's dictionary (shared_chart.h).
+struct SharedChartUse {
+    uint32_t chart_in_tile = 0;
+    uint32_t number = 0;         ///< in the dictionary
+    float metres_per_texel = 0;  ///< of its finest mip, in this tile; as FORMAT.md rounds it
+    friend bool operator==(const SharedChartUse&, const SharedChartUse&) = default;
+};
+
 /// Encodes. No charts: one step of header words. Precondition (programming error): sizes in range, rgb of matching
 /// size. Step 0 holds the mips whose parts sum to at most 4 KiB (at least the coarsest), each later step one finer mip.
 /// A chart has mips down to 1 x 1; one whose mips end above the finest of step 0 repeats its 1 x 1 mip up to there, so
 /// that every prefix shows every chart. A step's error: the largest metres_per_texel over the charts at that mip
 /// (charts that already are at their finest count with their own).
-LayerSteps encode_atlas(std::span<const ChartImage> charts, const AtlasOptions& options = {});
+/// `shared` charts, ascending by chart_in_tile, take those places in the chart table; `charts` take the others in their
+/// order. They have no blocks here and no part in the errors: a layer without others has one step with error 0.
+LayerSteps encode_atlas(std::span<const ChartImage> charts, const AtlasOptions& options = {},
+                        std::span<const SharedChartUse> shared = {});
 
 /// A checked view of a prefix; nothing can be read outside the words afterwards.
 class AtlasLayerView {
   public:
-    static Result<AtlasLayerView> create(std::span<const uint32_t> words, std::span<const uint32_t> step_words);
-    uint32_t chart_count() const;
+    /// `dictionary_size`: charts in the city's dictionary; numbers beyond it are refused.
+    static Result<AtlasLayerView> create(std::span<const uint32_t> words, std::span<const uint32_t> step_words,
+                                         uint64_t dictionary_size = 0);
+    uint32_t chart_count() const;  ///< local and shared ones
+    /// Whether a chart lies in the dictionary. What follows (width to texel) is asked of local charts only.
+    bool is_shared(uint32_t chart) const;
+    std::vector<SharedChartUse> shared_charts() const;  ///< ascending by chart_in_tile
     uint32_t finest_mip()
         const;  ///< finest mip that this prefix holds; every chart has it or only coarser ones, at least one
     uint32_t width(uint32_t chart) const;

@@ -22,6 +22,9 @@
 #define ATLAS_CHART_WORDS 2
 #define ATLAS_CHART_REPEAT_U 1u
 #define ATLAS_CHART_REPEAT_V 2u
+/* A chart of the city's dictionary: the size word is its number there, it has no mips here (mip count 0), and bits
+ * 16..31 are the upper half of the float of its metres per texel of mip 0. */
+#define ATLAS_CHART_SHARED 4u
 
 /* A mip's part: chart_count words with the offset of each chart's BC1 blocks (relative to the part's start; 0 for
    charts that have no such mip), then the blocks, 2 words each, rows of ceil(w/4) from the bottom (v = 0) up. Mip size:

@@ -6,6 +6,7 @@
 
 #include "codec/atlas/atlas_layout.h"
 #include "codec/atlas/block_planes.h"
+#include "codec/atlas/page_layer.h"
 
 namespace citystream::codec::atlas {
 
@@ -37,7 +38,20 @@ std::optional<std::vector<Run>> runs_of(std::span<const uint64_t> parts, uint64_
     return runs;
 }
 
+/// Of pages: tables only in step 0, before all blocks.
+std::optional<std::vector<Run>> runs_of_pages(std::span<const uint32_t> step0, uint32_t step, uint64_t word_count) {
+    uint64_t table = 0;
+    if (step == 0) {
+        if (step0.size() < PAGES_HEADER_WORDS) return std::nullopt;
+        table = PAGES_HEADER_WORDS + uint64_t{step0[PAGES_WORD_PAGE_COUNT]} * PAGES_PAGE_WORDS +
+                uint64_t{step0[PAGES_WORD_CHART_COUNT]} * PAGES_CHART_WORDS;
+    }
+    if (table > word_count || (word_count - table) % kBlockWords != 0) return std::nullopt;
+    return std::vector<Run>{{table, (word_count - table) / kBlockWords}};
+}
+
 std::optional<std::vector<Run>> runs_of_step(std::span<const uint32_t> step0, uint32_t step, uint64_t word_count) {
+    if (is_page_layer(step0)) return runs_of_pages(step0, step, word_count);
     if (step0.size() < ATLAS_HEADER_WORDS || step0[ATLAS_WORD_MAGIC] != ATLAS_MAGIC) return std::nullopt;
     const uint64_t charts = step0[ATLAS_WORD_CHART_COUNT], table = step0[ATLAS_WORD_MIP_TABLE];
     const uint32_t mips = step0[ATLAS_WORD_MIP_COUNT], finest = step0[ATLAS_WORD_STEP0_MIP];

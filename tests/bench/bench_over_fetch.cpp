@@ -92,7 +92,7 @@ bool learn_maps(const SampleCity& city, const DirectoryNode& node, TileKnowledge
     LayerFacts facts;
     DecodeFailure failure;
     const auto map_count = static_cast<uint32_t>(city.maps.size());
-    if (!decode_layer(Layer::kFacade, wire, steps, kAnyChart, map_count, prefix, facts, failure)) return false;
+    if (!decode_layer(Layer::kFacade, wire, steps, {kAnyChart, map_count, 0}, prefix, facts, failure)) return false;
     known.facade_maps = facts.facade_maps;
     known.placements = facts.placements;
     known.facade_maps_known = true;

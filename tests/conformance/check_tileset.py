@@ -300,6 +300,9 @@ class Checker:
             self.expect(error <= parent_error, f"tile {address}: geometric error {error} is above its parent's {parent_error}")
         known = {"tileset.json", "@3dtilesIndex1@", "preview.png", self.extension["facadeDictionary"]["indexUri"],
                  self.extension["facadeDictionary"]["mapsUri"]}
+        charts = self.extension.get("chartDictionary")
+        if charts is not None:
+            known |= {charts["indexUri"], charts["levelsUri"]}
         known |= {fill(d["uri"], a) for d in self.extension["layers"].values() for a in self.tiles}
         for name in self.sizes:
             self.expect(name in known or name.startswith("subtrees/"), f"{name}: nothing refers to it")
@@ -317,6 +320,13 @@ class Checker:
         if int(index["count"]) > 0:
             self.expect(self.sizes.get(index["indexUri"]) == int(index["indexBytes"]), "facades/index: size")
             self.expect(index["mapsUri"] in self.sizes, "facades/maps is missing")
+        if charts is not None:
+            # 8 bytes a chart and 4 a level, of which a chart has one to eight.
+            count, level_bytes = int(charts["count"]), int(charts["indexDecodedBytes"]) - 8 * int(charts["count"])
+            self.expect(level_bytes % 4 == 0 and 1 <= count <= level_bytes // 4 <= 8 * count,
+                        "chartDictionary: indexDecodedBytes does not fit the number of charts")
+            self.expect(self.sizes.get(charts["indexUri"]) == int(charts["indexBytes"]), "charts/index: size")
+            self.expect(self.sizes.get(charts["levelsUri"]) == int(charts["levelsBytes"]), "charts/levels: size")
 
     def run(self):
         for step in (self.check_archive, self.check_tileset, self.check_subtrees, self.check_whole):

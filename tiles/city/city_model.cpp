@@ -5,6 +5,11 @@
 
 namespace citystream::tiles::city {
 
+std::shared_ptr<const Image> ImageSource::drawn() const {
+    if (pixels || !make) return pixels;
+    return std::make_shared<const Image>(make());
+}
+
 uint32_t CityCatalog::add_material(const Material& material) {
     const auto found = std::find(materials.begin(), materials.end(), material);
     if (found != materials.end()) return static_cast<uint32_t>(found - materials.begin());

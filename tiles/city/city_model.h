@@ -42,10 +42,14 @@ struct Image {
     std::vector<uint8_t> rgb;
 };
 
-/// Where an image comes from; decoded by the builder when a tile needs it.
+/// Where an image comes from: the first of `pixels`, `make` and `path` that is set. Decoded or made when it is needed.
 struct ImageSource {
-    std::string path;                     ///< file to decode with OpenImageIO; empty when `pixels` holds the image
-    std::shared_ptr<const Image> pixels;  ///< procedural images
+    std::string path = {};                     ///< file to decode with OpenImageIO
+    std::shared_ptr<const Image> pixels = {};  ///< procedural images that are few and small
+    std::function<Image()> make = {};          ///< draws the image anew at every call: equal pixels, from any thread
+
+    /// `pixels`, or what `make` draws now; nothing where a file holds the image.
+    std::shared_ptr<const Image> drawn() const;
 };
 
 /// A flat colour, or an image whose texture coordinates are given per corner (in repeats of the whole image).

@@ -1,11 +1,13 @@
 #include "tiles/city/generator.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "tiles/city/generator_buildings.h"
 #include "tiles/city/generator_terrain.h"
+#include "tiles/city/generator_walls.h"
 
 namespace citystream::tiles::city {
 namespace {
@@ -52,6 +54,19 @@ struct QuarterRange {
     }
 };
 
+/// What all buildings together will want; the plan alone says so.
+WallDemand demand_of(const CityPlan& plan, uint32_t buildings) {
+    WallDemand demand{};
+    uint32_t planned = 0;
+    for (uint64_t quarter = 0; planned < buildings; ++quarter) {
+        for (const Block& block : plan.blocks(quarter_at(quarter))) {
+            for (const BuildingPlan& building : plan_block(block).buildings)
+                if (planned++ < buildings) add_demand(demand, building.use);
+        }
+    }
+    return demand;
+}
+
 /// One run of the generator.
 class Generator {
   public:
@@ -62,7 +77,11 @@ class Generator {
           materials_(make_materials(catalog, options.seed)),
           facades_(catalog, options.seed),
           maker_(plan_, materials_, facades_, catalog, options.origin),
-          outlet_(options, report, sink) {}
+          outlet_(options, report, sink) {
+        if (options.textures == 0) return;
+        walls_.emplace(catalog, options.seed, options.textures, demand_of(plan_, options.buildings));
+        maker_.texture_walls(*walls_);
+    }
 
     void run() {
         if (put_quarters() && put_country()) put_terrain();
@@ -130,6 +149,7 @@ class Generator {
     CityPlan plan_;
     MaterialSet materials_;
     FacadeDictionary facades_;
+    std::optional<WallDealer> walls_;
     BuildingMaker maker_;
     Outlet outlet_;
     QuarterRange range_;
@@ -144,7 +164,8 @@ void generate_city(const GeneratorOptions& options, CityHeader& header, CityCata
                    const CitySink& sink) {
     header.epsg = 0;
     header.title = "generated city (seed " + std::to_string(options.seed) + ", " + std::to_string(options.buildings) +
-                   " buildings)";
+                   " buildings" +
+                   (options.textures > 0 ? ", " + std::to_string(options.textures) + " wall textures)" : ")");
     Generator(options, catalog, report, sink).run();
 }
 

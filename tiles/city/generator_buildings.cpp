@@ -1,6 +1,8 @@
 #include "tiles/city/generator_buildings.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
 #include "tiles/city/generator_mesh.h"
@@ -47,8 +49,12 @@ struct Site {
     ObjectBuilder& object;
     Random random;
     uint32_t palette;
+    std::optional<WallDress> dress;  // textures instead of facades
 
-    uint32_t slot(Slot slot) const { return catalog.palettes[palette].material[static_cast<size_t>(slot)]; }
+    uint32_t slot(Slot slot) const {
+        if (dress && (slot == Slot::kWall || slot == Slot::kPlinth)) return dress->plain.material;
+        return catalog.palettes[palette].material[static_cast<size_t>(slot)];
+    }
 };
 
 FacadeRole facade_role(WallRole role) {
@@ -66,11 +72,59 @@ std::array<Point2, 5> ring_of(const BuildingPlan& plan) {
     return {plan.frame.at(0, 0), plan.frame.at(w, 0), plan.frame.at(w, d), plan.frame.at(0, d), plan.frame.at(0, 0)};
 }
 
+/// Repeats of a texture over a wall: whole windows, whole storeys; of a bare wall as many as it has metres.
+Vec2 repeats_over(const WallTexture& texture, Units width, Units height) {
+    const double across = metres(width) * 1000 / texture.width_mm, up = metres(height) * 1000 / texture.height_mm;
+    if (texture.use == WallUse::kPlain) return {across, up};
+    const auto whole = [](double repeats, int parts) {
+        return std::max(1.0, std::floor(repeats * parts + 0.5)) / parts;
+    };
+    return {whole(across, texture.bays), whole(up, texture.storeys)};
+}
+
+/// A wall in two bands, so that walls which show their ground floor and others meet at the same corners.
+void add_textured_wall(Site& site, Point2 left, Point2 right, Units width, std::array<Units, 3> levels,
+                       const WallMaterial& below, const WallMaterial& above) {
+    const auto [foot, middle, head] = levels;
+    const Vec2 low = repeats_over(below.texture, width, middle - foot);
+    site.object.wall(left, right, foot, middle, below.material, {0, 0}, low);
+    if (head == middle) return;
+    const double start = below.material == above.material ? low.y : 0;
+    const Vec2 high = repeats_over(above.texture, width, head - middle);
+    site.object.wall(left, right, middle, head, above.material, {0, start}, {high.x, start + high.y});
+}
+
+/// The same walls as add_section's, with the building's textures.
+void add_textured_section(Site& site, FacadeSection section, const Storeys& storeys, Units foot) {
+    const BuildingPlan& plan = site.plan;
+    const WallDress& dress = *site.dress;
+    const std::array<Point2, 5> ring = ring_of(plan);
+    const Units head = foot + units_of_cm(storeys.height_cm());
+    const bool ground_floor =
+        dress.has_ground_floor && (section == FacadeSection::kWhole || section == FacadeSection::kBase);
+    // What is left over a ground floor is a storey at least, or belongs to it.
+    const bool two_bands = ground_floor && storeys.floors > 1;
+    const Units middle = two_bands ? foot + units_of_cm(storeys.ground_cm) : head;
+    // A single storey has no wall above its ground floor: its other sides show the texture meant for that.
+    const WallMaterial& around = ground_floor && !two_bands ? dress.front : dress.side;
+    for (size_t side = 0; side < 4; ++side) {
+        const bool front = plan.use == FacadeUse::kTower || plan.walls[side] == WallRole::kFront;
+        const bool party = plan.walls[side] == WallRole::kParty;
+        const WallMaterial& above = party ? dress.plain : front ? dress.front : around;
+        add_textured_wall(site, ring[side], ring[side + 1], side % 2 == 0 ? plan.width : plan.depth,
+                          {foot, middle, head}, ground_floor && front ? dress.ground_floor : above, above);
+    }
+}
+
 /// Dresses the four walls of one section; returns its height.
 Units add_section(Site& site, FacadeSection section, int floors, Units foot) {
     const BuildingPlan& plan = site.plan;
     const Storeys storeys = storeys_of(plan.use, section, plan.variant, floors);
     const Units height = units_of_cm(storeys.height_cm());
+    if (site.dress) {
+        add_textured_section(site, section, storeys, foot);
+        return height;
+    }
     const std::array<Point2, 5> ring = ring_of(plan);
     for (size_t side = 0; side < 4; ++side) {
         if (plan.walls[side] == WallRole::kParty) {
@@ -175,10 +229,14 @@ void add_garage(Site& site, Units foot, Units footing) {
     const Units front = kGarageSetback, back = front + kGarageDepth,
                 height = units_of_cm(storeys_of(FacadeUse::kGarage, FacadeSection::kWhole, 0, 1).height_cm());
     const auto at = [&plan](Units x, Units y) { return plan.frame.at(x, y); };
-    FacadeSpec spec;
-    spec.use = FacadeUse::kGarage;
-    spec.width_cm = static_cast<uint16_t>(cm_of(kGarageWidth));
-    site.object.facade(at(left, front), at(right, front), foot, height, site.facades.map_of(spec), site.palette);
+    if (site.dress) {
+        site.object.wall(at(left, front), at(right, front), foot, foot + height, site.slot(Slot::kDoor));
+    } else {
+        FacadeSpec spec;
+        spec.use = FacadeUse::kGarage;
+        spec.width_cm = static_cast<uint16_t>(cm_of(kGarageWidth));
+        site.object.facade(at(left, front), at(right, front), foot, height, site.facades.map_of(spec), site.palette);
+    }
     site.object.wall(at(left, front), at(right, front), footing, foot, site.slot(Slot::kPlinth));
     const auto side = [&](Point2 from, Point2 to) {
         site.object.wall(from, to, foot, foot + height, site.slot(Slot::kWall));
@@ -222,7 +280,11 @@ CityObject BuildingMaker::make(const BuildingPlan& building, std::string id) con
     ObjectBuilder object(std::move(id), ObjectKind::kBuilding, catalog_, origin_);
     Random random(building.seed);
     const uint32_t palette = pick(palettes_for(materials_, building.use), random);
-    Site site{building, materials_, facades_, catalog_, object, random, palette};
+    Site site{building, materials_, facades_, catalog_, object, random, palette, std::nullopt};
+    if (walls_ != nullptr) {
+        Random textures(hash(building.seed, 31));
+        site.dress = walls_->deal(building.use, textures);
+    }
     Point2 low{0, 0}, high{building.width, building.depth};
     if (building.garage_side < 0) low.x -= kGarageWidth;
     if (building.garage_side > 0) high.x += kGarageWidth;

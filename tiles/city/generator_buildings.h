@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tiles/city/generator_plots.h"
+#include "tiles/city/generator_walls.h"
 #include "tiles/city/procedural_materials.h"
 
 namespace citystream::tiles::city::procedural {
@@ -29,6 +30,9 @@ class BuildingMaker {
                   const CityCatalog& catalog, Vec2 origin)
         : plan_(plan), materials_(materials), facades_(facades), catalog_(catalog), origin_(origin) {}
 
+    /// From now on walls are flat and textured; `walls` outlives this.
+    void texture_walls(WallDealer& walls) { walls_ = &walls; }
+
     CityObject make(const BuildingPlan& building, std::string id) const;
     CityObject make_tree(const TreePlan& tree, std::string id) const;
 
@@ -38,6 +42,7 @@ class BuildingMaker {
     FacadeDictionary& facades_;
     const CityCatalog& catalog_;
     Vec2 origin_;
+    WallDealer* walls_ = nullptr;
 };
 
 }  // namespace citystream::tiles::city::procedural

@@ -89,6 +89,14 @@ void ObjectBuilder::wall(Point2 left, Point2 right, Units foot, Units head, uint
     polygon({lift(left, foot), lift(right, foot), lift(right, head), lift(left, head)}, material, SurfaceKind::kWall);
 }
 
+void ObjectBuilder::wall(Point2 left, Point2 right, Units foot, Units head, uint32_t material, Vec2 low, Vec2 high) {
+    low = {rounded(low.x), rounded(low.y)};
+    high = {rounded(high.x), rounded(high.y)};
+    const std::array<Point3, 4> corner = {lift(left, foot), lift(right, foot), lift(right, head), lift(left, head)};
+    triangle({corner[0], corner[1], corner[2]}, {low, {high.x, low.y}, high}, material, SurfaceKind::kWall);
+    triangle({corner[0], corner[2], corner[3]}, {low, high, {low.x, high.y}}, material, SurfaceKind::kWall);
+}
+
 void ObjectBuilder::facade(Point2 left, Point2 right, Units foot, Units height, uint32_t map, uint32_t palette) {
     FacadeWall wall;
     wall.lower_left = {origin_.x + metres(left.x), origin_.y + metres(left.y), metres(foot)};

@@ -36,6 +36,8 @@ class ObjectBuilder {
 
     /// The upright rectangle over the line from `left` to `right` (seen from outside).
     void wall(Point2 left, Point2 right, Units foot, Units head, uint32_t material);
+    /// The same; its lower left corner shows `low` of the image, its upper right one `high`.
+    void wall(Point2 left, Point2 right, Units foot, Units head, uint32_t material, Vec2 low, Vec2 high);
     void facade(Point2 left, Point2 right, Units foot, Units height, uint32_t map, uint32_t palette);
 
     CityObject finish() { return std::move(object_); }

@@ -29,6 +29,7 @@ class CityBuild {
   public:
     CityBuild(const BuildOptions& options, city::CityReport& report) : options_(options), report_(report) {
         if (options_.dress_seed) dresser_.emplace(*options_.dress_seed, catalog_);
+        if (!options_.aerial.empty()) drape_.emplace(options_.aerial, catalog_);
         if (options_.extract_relief) extractor_.emplace(catalog_, ReliefExtractionOptions{});
     }
 
@@ -44,6 +45,7 @@ class CityBuild {
         if (reference_) summary.reference_bytes = std::filesystem::file_size(options_.reference);
         summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         summary.peak_memory_bytes = peak_memory();
+        summary.images = images_;
         if (dresser_) {
             summary.dressing = dresser_->report();
             summary.dressing->hidden_by_neighbours = hidden_facades_;
@@ -72,6 +74,9 @@ class CityBuild {
         auto facades = quadtree::SpoolFile::create(folder_->path() + "/facades");
         if (!facades) return facades.error();
         facade_spool_ = std::move(facades).value();
+        auto charts = quadtree::SpoolFile::create(folder_->path() + "/charts");
+        if (!charts) return charts.error();
+        chart_spool_ = std::move(charts).value();
         if (options_.reference.empty()) return Done{};
         auto reference = ReferenceWriter::create(options_.reference, folder_->path());
         if (!reference) return reference.error();
@@ -91,12 +96,16 @@ class CityBuild {
         if (failed) return *failed;
         if (!read) return read;
         if (objects_->extent().empty()) return Error{"no object with geometry was found: there is nothing to build"};
-        return Done{};
+        if (!drape_ || !options_.auto_ground || objects_->has_ground()) return Done{};
+        city::CityObject ground = flat_ground_of_city(objects_->extent(), catalog_);
+        ground_made_to_drape_ = true;
+        return take(ground);
     }
 
     /// Made-up facades are part of the city; extracted ones only another form of what the reference shows as triangles.
     Status take(city::CityObject& object) {
         if (dresser_) dresser_->dress(object);
+        if (drape_) drape_->drape(object);
         if (reference_) {
             if (Status status = reference_->add(object); !status) return status;
         }
@@ -108,7 +117,9 @@ class CityBuild {
         const bool made_up_ground = options_.auto_ground && !objects_->has_ground();
         auto tree = quadtree::make_tile_tree(*objects_, {options_.leaf_triangles, made_up_ground});
         if (!tree) return tree.error();
-        ImageCache images(catalog_, static_cast<size_t>(options_.memory_limit / 6));
+        const auto prepared = prepare_city_images();
+        if (!prepared) return prepared.error();
+        ImageCache images(catalog_, static_cast<size_t>(options_.memory_limit / 6), prepared->get());
         FacadePainter facades(catalog_, images);
         const auto numbers = number_facades(*objects_, catalog_.facade_maps, options_.merge_tolerance_mm);
         if (!numbers) return numbers.error();
@@ -117,15 +128,16 @@ class CityBuild {
         Preview preview(objects_->extent(), images);
         const TileWorkshop workshop{
             catalog_, images, facades, *numbers, options_.layers, tree->origin, {options_.rate_distortion}};
-        auto tiles = build_tiles(
-            {options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, preview, made_up_ground});
+        ChartDictionary charts;
+        auto tiles = build_tiles({options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, charts,
+                                  *chart_spool_, preview, made_up_ground});
         if (!tiles) return tiles.error();
         for (const BuiltTile& tile : *tiles) hidden_facades_ += tile.hidden_facades;
         fill_manifest(*tree, tiles->front().record.bounds, made_up_ground);
         manifest_.build_options += merging_text(*numbers);
         const std::vector<std::byte> picture = preview.encode(folder_->path() + "/preview.png");
-        if (Status status = write_city_archive(
-                {manifest_, *tree, *tiles, *layer_spool_, *dictionary, *facade_spool_, picture, options_});
+        if (Status status = write_city_archive({manifest_, *tree, *tiles, *layer_spool_, *dictionary, *facade_spool_,
+                                                charts, *chart_spool_, picture, options_});
             !status)
             return status;
         for (city::Defect& defect : images.take_defects()) report_.add(std::move(defect));
@@ -136,6 +148,29 @@ class CityBuild {
         }
         return reference_->finish(catalog_, facades, objects_->extent(), tree->origin);
     }
+
+    /// Before any tile is made; nothing for a city without images.
+    Result<std::unique_ptr<PreparedImages>> prepare_city_images() {
+        if (catalog_.images.empty()) return std::unique_ptr<PreparedImages>();
+        auto prepared = PreparedImages::create(folder_->path(), catalog_.images.size());
+        if (!prepared) return prepared.error();
+        const auto uses = find_image_uses(*objects_, catalog_, options_.jobs);
+        if (!uses) return uses.error();
+        ImagePreparationOptions how;
+        if (has_atlas()) how.saliency = options_.saliency;
+        how.jobs = options_.jobs;
+        how.budget_bytes = options_.memory_limit / 2;
+        how.cancel = options_.cancel;
+        how.progress = options_.progress;
+        std::vector<city::Defect> defects;
+        auto report = prepare_images(catalog_, *uses, how, **prepared, defects);
+        if (!report) return report.error();
+        for (city::Defect& defect : defects) report_.add(std::move(defect));
+        images_ = std::move(report).value();
+        return prepared;
+    }
+
+    bool has_atlas() const { return options_.layers[static_cast<size_t>(tileset::Layer::kAtlas)]; }
 
     /// The dictionary; empty where no tile will name its maps.
     Result<EncodedFacades> encode_facades(const FacadeNumbers& numbers) {
@@ -170,8 +205,12 @@ class CityBuild {
         manifest_.buildings = report_.buildings_emitted;
         manifest_.facades = objects_->facades() - hidden_facades_;
         manifest_.facades_made_up = dresser_ && dresser_->report().facades > 0;
-        manifest_.build_options = options_.description + (made_up_ground ? " ground=made-up" : "");
-        if (options_.rate_distortion > 0 && options_.layers[static_cast<size_t>(tileset::Layer::kAtlas)])
+        manifest_.build_options =
+            options_.description + (made_up_ground || ground_made_to_drape_ ? " ground=made-up" : "");
+        if (drape_) manifest_.build_options += fmt::format(" aerial={}", options_.aerial.size());
+        if (options_.saliency.kind != codec::atlas::MetricKind::kNone && has_atlas())
+            manifest_.build_options += " saliency=" + codec::atlas::to_string(options_.saliency);
+        if (options_.rate_distortion > 0 && has_atlas())
             manifest_.build_options += fmt::format(" rate-distortion={}", options_.rate_distortion);
     }
 
@@ -180,12 +219,15 @@ class CityBuild {
     city::CityHeader header_;
     city::CityCatalog catalog_;
     std::optional<Dresser> dresser_;
+    std::optional<AerialDrape> drape_;
+    bool ground_made_to_drape_ = false;
     std::optional<ReliefExtractor> extractor_;
     tileset::Manifest manifest_;
     uint64_t hidden_facades_ = 0;
+    std::optional<ImagePreparationReport> images_;
     std::unique_ptr<quadtree::SpoolFolder> folder_;  // before the files in it, so that it goes last
     std::unique_ptr<quadtree::ObjectSpool> objects_;
-    std::unique_ptr<quadtree::SpoolFile> layer_spool_, content_spool_, facade_spool_;
+    std::unique_ptr<quadtree::SpoolFile> layer_spool_, content_spool_, facade_spool_, chart_spool_;
     std::unique_ptr<ReferenceWriter> reference_;
 };
 

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "tiles/archive/archive.h"
+#include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/facade_index.h"
 #include "tiles/tileset/subtree.h"
 #include "tiles/tileset/tileset_json.h"
@@ -93,8 +94,15 @@ std::vector<SubtreeFile> make_subtree_files(const ArchiveContents& contents) {
     return files;
 }
 
+/// Nothing where no chart is shared.
+std::vector<std::byte> make_chart_index(const ArchiveContents& contents) {
+    if (contents.charts.records().empty()) return {};
+    return tileset::write_chart_index(contents.charts.records(), contents.manifest);
+}
+
 Status add_directory(archive::ArchiveWriter& writer, const ArchiveContents& contents) {
     const std::vector<std::byte> index = tileset::write_facade_index(contents.facades.records(), contents.manifest);
+    const std::vector<std::byte> chart_index = make_chart_index(contents);
     const std::vector<SubtreeFile> subtrees = make_subtree_files(contents);
     if (Status status = add_text(writer, tileset::kTilesetPath, tileset::write_tileset_json(contents.manifest));
         !status)
@@ -103,7 +111,10 @@ Status add_directory(archive::ArchiveWriter& writer, const ArchiveContents& cont
         if (Status status = writer.add(subtree.name, subtree.bytes); !status) return status;
     }
     if (Status status = writer.add(tileset::kFacadeIndexPath, index); !status) return status;
-    return contents.facades.write_entry(writer, contents.facade_spool);
+    if (Status status = contents.facades.write_entry(writer, contents.facade_spool); !status) return status;
+    if (chart_index.empty()) return Done{};
+    if (Status status = writer.add(tileset::kChartIndexPath, chart_index); !status) return status;
+    return contents.charts.write_entry(writer, contents.chart_spool);
 }
 
 }  // namespace

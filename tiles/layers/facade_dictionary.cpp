@@ -3,13 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
-#include <mutex>
-#include <optional>
-#include <thread>
 
 #include "codec/facade/facade_levels.h"
 #include "codec/facade/facade_wire.h"
+#include "tiles/layers/build_stage.h"
 #include "tiles/tileset/facade_index.h"
 
 namespace citystream::tiles::layers {
@@ -68,58 +65,6 @@ CodedMap code_map(const codec::facade::RunGrid& grid, double texel_metres) {
     return map;
 }
 
-/// Threads take one map after the other; what is first ready is first in the spool.
-class Encoding {
-  public:
-    Encoding(const FacadeNumbers& numbers, const city::FacadeCatalog& catalog, const BuildOptions& options,
-             quadtree::SpoolFile& spool)
-        : numbers_(numbers), catalog_(catalog), options_(options), spool_(spool) {}
-
-    Status run(std::vector<FacadeMapRecord>& records, std::vector<uint64_t>& offsets) {
-        const size_t count = numbers_.maps.size();
-        records.resize(count);
-        offsets.resize(count);
-        std::atomic<size_t> next = 0;
-        const auto work = [&] {
-            for (size_t i = next++; i < count && !stopped(); i = next++) {
-                const uint32_t stored = numbers_.maps[i];
-                const CodedMap map = code_map(catalog_.map(stored), catalog_.texel_metres(stored));
-                records[i] = map.record;
-                const auto range = spool_.append(map.bytes);
-                if (range) offsets[i] = range->offset;
-                finish_one(range ? Status(Done{}) : range.error());
-            }
-        };
-        const uint32_t jobs = options_.jobs != 0 ? options_.jobs : std::max(1U, std::thread::hardware_concurrency());
-        std::vector<std::jthread> threads;
-        for (uint32_t i = 1; i < std::min<size_t>(jobs, count); ++i) threads.emplace_back(work);
-        work();
-        threads.clear();
-        return error_ ? Status(*error_) : Status(Done{});
-    }
-
-  private:
-    bool stopped() {
-        const std::lock_guard lock(mutex_);
-        if (!error_ && options_.cancel != nullptr && options_.cancel->load()) error_ = Error{"interrupted"};
-        return error_.has_value();
-    }
-
-    void finish_one(const Status& status) {
-        const std::lock_guard lock(mutex_);
-        if (!status && !error_) error_ = status.error();
-        if (options_.progress) options_.progress("facades", ++done_, numbers_.maps.size());
-    }
-
-    const FacadeNumbers& numbers_;
-    const city::FacadeCatalog& catalog_;
-    const BuildOptions& options_;
-    quadtree::SpoolFile& spool_;
-    std::mutex mutex_;
-    std::optional<Error> error_;
-    uint64_t done_ = 0;
-};
-
 /// Ends of maps, each counted from its own begin, to ends in the entry.
 void add_up(std::vector<FacadeMapRecord>& records) {
     uint64_t begin = 0;
@@ -134,7 +79,19 @@ void add_up(std::vector<FacadeMapRecord>& records) {
 Result<EncodedFacades> EncodedFacades::encode(const FacadeNumbers& numbers, const city::FacadeCatalog& catalog,
                                               const BuildOptions& options, quadtree::SpoolFile& spool) {
     EncodedFacades facades;
-    Status status = Encoding(numbers, catalog, options, spool).run(facades.records_, facades.offsets_);
+    const size_t count = numbers.maps.size();
+    facades.records_.resize(count);
+    facades.offsets_.resize(count);
+    // What is first ready is first in the spool.
+    Status status = BuildStage(options, "facades", count).run(count, [&](size_t i) -> Status {
+        const uint32_t stored = numbers.maps[i];
+        const CodedMap map = code_map(catalog.map(stored), catalog.texel_metres(stored));
+        facades.records_[i] = map.record;
+        const auto range = spool.append(map.bytes);
+        if (!range) return range.error();
+        facades.offsets_[i] = range->offset;
+        return Done{};
+    });
     if (!status) return status.error();
     add_up(facades.records_);
     if (status = tileset::check_facade_maps(facades.records_); !status)

@@ -97,10 +97,14 @@ void FacadePainter::keep(const Key& key, const std::shared_ptr<const ChartImage>
     }
 }
 
+FacadePainter::PictureSize FacadePainter::picture_size(uint32_t map, double texel) {
+    const FacadeFacts& known = facts(map);
+    return {texels_for(known.width_metres, texel), texels_for(known.height_metres, texel)};
+}
+
 ChartImage FacadePainter::paint(const Key& key) {
     const FacadeFacts& known = facts(key.map);
-    const uint32_t width = texels_for(known.width_metres, key.texel),
-                   height = texels_for(known.height_metres, key.texel);
+    const auto [width, height] = picture_size(key.map, key.texel);
     SlotColours slots;
     for (uint32_t slot = 0; slot < slots.size(); ++slot) {
         if ((known.slots >> slot) & 1U)

@@ -36,6 +36,11 @@ class FacadePainter {
         : catalog_(catalog), images_(images), budget_(budget_bytes) {}
 
     const FacadeFacts& facts(uint32_t map);
+    struct PictureSize {
+        uint32_t width = 0, height = 0;
+        uint64_t texels() const { return uint64_t{width} * height; }
+    };
+    PictureSize picture_size(uint32_t map, double texel);
     /// The picture at about `texel` metres a texel (paint_facade), with metres_per_texel set.
     std::shared_ptr<const ChartImage> picture(uint32_t map, uint32_t palette, double texel);
     std::array<uint8_t, 3> mean_colour(uint32_t map, uint32_t palette);

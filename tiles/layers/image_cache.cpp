@@ -1,33 +1,16 @@
 #include "tiles/layers/image_cache.h"
 
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <utility>
 
 namespace citystream::tiles::layers {
 namespace {
 
-constexpr int64_t kGreatestPixels = int64_t{1} << 28;
 constexpr uint64_t kMeanTexels = 64 * 64;
 
-ChartImage to_rgb(const std::vector<uint8_t>& raw, uint32_t width, uint32_t height, uint32_t channels) {
-    ChartImage out;
-    out.width = width;
-    out.height = height;
-    out.rgb.resize(size_t{3} * width * height);
-    for (uint32_t y = 0; y < height; ++y) {
-        const uint8_t* source = raw.data() + size_t{height - 1 - y} * width * channels;
-        uint8_t* target = out.rgb.data() + size_t{3} * y * width;
-        for (uint32_t x = 0; x < width; ++x, source += channels, target += 3) {
-            const bool grey = channels < 3;
-            target[0] = source[0];
-            target[1] = grey ? source[0] : source[1];
-            target[2] = grey ? source[0] : source[2];
-        }
-    }
-    return out;
+uint64_t key_of(uint32_t image, uint32_t level) {
+    return uint64_t{image} << 8 | level;
 }
 
 std::array<float, 256> make_linear_table() {
@@ -73,24 +56,6 @@ std::array<uint8_t, 3> mean_of(const ChartImage& image) {
     return mean;
 }
 
-Result<ChartImage> decode_image(const std::string& path) {
-    auto input = OIIO::ImageInput::open(path);
-    if (!input) return Error{"cannot read image " + path + ": " + OIIO::geterror()};
-    const OIIO::ImageSpec spec = input->spec();
-    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 ||
-        int64_t{spec.width} * spec.height > kGreatestPixels || spec.nchannels > 16) {
-        return Error{"cannot use image " + path + ": size " + std::to_string(spec.width) + " x " +
-                     std::to_string(spec.height)};
-    }
-    std::vector<uint8_t> raw(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) *
-                             static_cast<size_t>(spec.nchannels));
-    if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, raw.data())) {
-        return Error{"cannot decode image " + path + ": " + input->geterror()};
-    }
-    return to_rgb(raw, static_cast<uint32_t>(spec.width), static_cast<uint32_t>(spec.height),
-                  static_cast<uint32_t>(spec.nchannels));
-}
-
 std::shared_ptr<const ChartImage> ImageCache::find(uint64_t key) {
     const auto found = entries_.find(key);
     if (found == entries_.end()) return nullptr;
@@ -103,6 +68,7 @@ void ImageCache::keep(uint64_t key, const std::shared_ptr<const ChartImage>& pix
     uses_.push_front(key);
     entries_[key] = {pixels, uses_.begin()};
     used_ += pixels->rgb.size();
+    peak_ = std::max(peak_, used_);
     while (used_ > budget_ && uses_.size() > 1) {
         const auto oldest = entries_.find(uses_.back());
         used_ -= oldest->second.pixels->rgb.size();
@@ -111,48 +77,75 @@ void ImageCache::keep(uint64_t key, const std::shared_ptr<const ChartImage>& pix
     }
 }
 
-std::shared_ptr<const ChartImage> ImageCache::decode(uint32_t image) {
+Result<ChartImage> ImageCache::decode(uint32_t image) const {
     const city::ImageSource& source = catalog_.images[image];
-    if (source.pixels) {
-        const city::Image& p = *source.pixels;
-        if (p.width == 0 || p.height == 0 || p.rgb.size() != size_t{3} * p.width * p.height) return nullptr;
-        return std::make_shared<const ChartImage>(ChartImage{p.width, p.height, false, false, 0, p.rgb});
-    }
-    auto decoded = decode_image(source.path);
-    if (decoded) return std::make_shared<const ChartImage>(std::move(decoded).value());
+    const auto drawn = source.drawn();
+    if (!drawn) return decode_image(source.path);
+    if (drawn->width == 0 || drawn->height == 0 || drawn->rgb.size() != size_t{3} * drawn->width * drawn->height)
+        return Error{"a drawn image is empty"};
+    return ChartImage{drawn->width, drawn->height, false, false, 0, drawn->rgb};
+}
+
+std::shared_ptr<const ChartImage> ImageCache::give_up(uint32_t image, const std::string& why) {
+    const std::string& path = catalog_.images[image].path;
     const std::lock_guard lock(mutex_);
-    defects_.push_back({source.path, decoded.error().text() + "; a flat colour is used", source.path, false});
+    failed_.insert(image);
+    defects_.push_back({path, why + "; a flat colour is used", path, false});
     return nullptr;
+}
+
+std::shared_ptr<const ChartImage> ImageCache::load(uint32_t image, uint32_t level) {
+    auto read = prepared_->read(image, level);
+    if (!read) return give_up(image, read.error().text());
+    return std::make_shared<const ChartImage>(std::move(read).value());
+}
+
+/// A mip of an image that was not prepared, from the nearest finer one that is kept.
+std::shared_ptr<const ChartImage> ImageCache::make(uint32_t image, uint32_t level) {
+    std::shared_ptr<const ChartImage> pixels;
+    uint32_t have = level;
+    {
+        const std::lock_guard lock(mutex_);
+        for (have = level; !pixels && have-- > 0;) pixels = find(key_of(image, have));
+    }
+    if (!pixels) {
+        auto decoded = decode(image);
+        if (!decoded) return give_up(image, decoded.error().text());
+        pixels = std::make_shared<const ChartImage>(std::move(decoded).value());
+        have = 0;
+        const std::lock_guard lock(mutex_);
+        keep(key_of(image, 0), pixels);
+    }
+    for (; have < level && (pixels->width > 1 || pixels->height > 1); ++have)
+        pixels = std::make_shared<const ChartImage>(codec::atlas::downsample(*pixels));
+    return pixels;
 }
 
 std::shared_ptr<const ChartImage> ImageCache::mip(uint32_t image, uint32_t level) {
     if (image >= catalog_.images.size()) return nullptr;
-    const uint64_t key = uint64_t{image} << 8 | level;
-    const std::lock_guard one_decoder(decode_mutex_[image % decode_mutex_.size()]);
-    uint32_t have = 0;
-    std::shared_ptr<const ChartImage> pixels;
+    const auto state = prepared_ == nullptr ? PreparedImages::State::kUnknown : prepared_->state(image);
+    if (state == PreparedImages::State::kFailed) return nullptr;
+    if (state == PreparedImages::State::kStored) level = std::min(level, prepared_->levels(image) - 1);
+    const std::lock_guard one_reader(read_mutex_[image % read_mutex_.size()]);
     {
         const std::lock_guard lock(mutex_);
-        if (failed_.count(image) != 0) return nullptr;
-        for (have = level + 1; have-- > 0 && !pixels;) pixels = find(uint64_t{image} << 8 | have);
-        have = pixels ? have + 1 : 0;
+        if (failed_.contains(image)) return nullptr;
+        if (auto kept = find(key_of(image, level))) return kept;
     }
-    if (!pixels) {
-        pixels = decode(image);
-        const std::lock_guard lock(mutex_);
-        if (!pixels) {
-            failed_[image] = true;
-            return nullptr;
-        }
-        keep(uint64_t{image} << 8, pixels);
-    }
-    if (have == level) return pixels;
-    for (; have < level && (pixels->width > 1 || pixels->height > 1); ++have) {
-        pixels = std::make_shared<const ChartImage>(codec::atlas::downsample(*pixels));
-    }
+    auto pixels = state == PreparedImages::State::kStored ? load(image, level) : make(image, level);
+    if (!pixels) return nullptr;
     const std::lock_guard lock(mutex_);
-    keep(key, pixels);
+    keep(key_of(image, level), pixels);
     return pixels;
+}
+
+std::optional<std::array<uint32_t, 2>> ImageCache::sides(uint32_t image) {
+    if (prepared_ != nullptr && image < catalog_.images.size() &&
+        prepared_->state(image) == PreparedImages::State::kStored)
+        return prepared_->sides(image);
+    const auto finest = mip(image, 0);
+    if (!finest) return std::nullopt;
+    return std::array<uint32_t, 2>{finest->width, finest->height};
 }
 
 std::array<uint8_t, 3> ImageCache::mean_colour(uint32_t material) {
@@ -164,13 +157,18 @@ std::array<uint8_t, 3> ImageCache::mean_colour(uint32_t material) {
         const auto found = means_.find(image);
         if (found != means_.end()) return found->second;
     }
-    auto pixels = mip(image, 0);
+    uint32_t level = prepared_ == nullptr ? 0 : prepared_->level_of_size(image, kMeanTexels);
+    auto pixels = mip(image, level);
+    while (pixels && uint64_t{pixels->width} * pixels->height > kMeanTexels) pixels = mip(image, ++level);
     if (!pixels) return m.rgb;
-    uint32_t level = 0;
-    while ((uint64_t{pixels->width >> level} * (pixels->height >> level)) > kMeanTexels) ++level;
-    const auto mean = mean_of(*mip(image, level));
+    const auto mean = mean_of(*pixels);
     const std::lock_guard lock(mutex_);
     return means_[image] = mean;
+}
+
+size_t ImageCache::peak_bytes() const {
+    const std::lock_guard lock(mutex_);
+    return peak_;
 }
 
 std::vector<city::Defect> ImageCache::take_defects() {

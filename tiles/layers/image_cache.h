@@ -1,4 +1,5 @@
-// The catalog's images, decoded once and kept with their coarser mips while a byte budget allows. Thread-safe.
+// The images of a city for those who make tiles: prepared images with their coarser mips, read from disk and kept while
+// a byte budget allows. An image that was not prepared is decoded as it is. Thread-safe.
 #pragma once
 
 #include <array>
@@ -7,33 +8,37 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
-#include "codec/atlas/atlas_layer.h"
-#include "codec/result.h"
 #include "tiles/city/city_model.h"
+#include "tiles/layers/image_decode.h"
+#include "tiles/layers/prepared_images.h"
 
 namespace citystream::tiles::layers {
 
-using codec::atlas::ChartImage;
-
-/// Decodes any file OpenImageIO reads (8/16 bit, palette, grey, CMYK, alpha dropped) to RGB8, row 0 at the bottom. At
-/// most 2^28 pixels.
-Result<ChartImage> decode_image(const std::string& path);
-
 class ImageCache {
   public:
-    ImageCache(const city::CityCatalog& catalog, size_t budget_bytes) : catalog_(catalog), budget_(budget_bytes) {}
+    /// What is kept goes beyond the budget by one image at most. `prepared` may be null; else it outlives the cache.
+    ImageCache(const city::CityCatalog& catalog, size_t budget_bytes, const PreparedImages* prepared = nullptr)
+        : catalog_(catalog), budget_(budget_bytes), prepared_(prepared) {}
 
-    /// Mip `level` (0 = as it is) of an image, or nothing when it cannot be read (the defect is kept for take_defects,
-    /// once an image).
+    /// Mip `level` of an image (0: as it was prepared), the coarsest beyond the last; nothing when it cannot be read
+    /// (once an image, the defect is kept for take_defects).
     std::shared_ptr<const ChartImage> mip(uint32_t image, uint32_t level);
+
+    /// Sides of mip 0, which is not read where the image was prepared; nothing when it cannot be read.
+    std::optional<std::array<uint32_t, 2>> sides(uint32_t image);
 
     /// Mean colour of a material, averaged in linear light; its flat colour when it has no readable image.
     std::array<uint8_t, 3> mean_colour(uint32_t material);
 
     std::vector<city::Defect> take_defects();
+
+    /// The most that was kept at a time.
+    size_t peak_bytes() const;
 
   private:
     struct Entry {
@@ -42,15 +47,20 @@ class ImageCache {
     };
     std::shared_ptr<const ChartImage> find(uint64_t key);
     void keep(uint64_t key, const std::shared_ptr<const ChartImage>& pixels);
-    std::shared_ptr<const ChartImage> decode(uint32_t image);
+    std::shared_ptr<const ChartImage> load(uint32_t image, uint32_t level);
+    std::shared_ptr<const ChartImage> make(uint32_t image, uint32_t level);
+    std::shared_ptr<const ChartImage> give_up(uint32_t image, const std::string& why);
+    Result<ChartImage> decode(uint32_t image) const;
 
     const city::CityCatalog& catalog_;
-    size_t budget_, used_ = 0;
-    std::mutex mutex_;                         // guards everything below
-    std::array<std::mutex, 16> decode_mutex_;  // one image is decoded by one thread
+    const size_t budget_;
+    const PreparedImages* prepared_;
+    size_t used_ = 0, peak_ = 0;
+    mutable std::mutex mutex_;               // guards everything above that changes, and below
+    std::array<std::mutex, 16> read_mutex_;  // one image is read by one thread
     std::map<uint64_t, Entry> entries_;
     std::list<uint64_t> uses_;  // most recent first
-    std::map<uint32_t, bool> failed_;
+    std::set<uint32_t> failed_;
     std::map<uint32_t, std::array<uint8_t, 3>> means_;
     std::vector<city::Defect> defects_;
 };

@@ -10,6 +10,7 @@
 #include "codec/mesh/mesh_layer.h"
 #include "codec/step_wire.h"
 #include "tiles/archive/archive.h"
+#include "tiles/layers/inspect_charts.h"
 #include "tiles/layers/inspect_facades.h"
 #include "tiles/tileset/subtree.h"
 #include "tiles/tileset/tileset_json.h"
@@ -42,6 +43,8 @@ class Verifier {
         manifest_ = *manifest;
         check_facade_dictionary(*reader_, manifest_,
                                 [this](const std::string& where, const std::string& what) { say(where, what); });
+        check_chart_dictionary(*reader_, manifest_,
+                               [this](const std::string& where, const std::string& what) { say(where, what); });
         check_subtrees();
         if (tiles_ != manifest_.tiles)
             say(tileset::kTilesetPath, fmt::format("lists {} tiles, the subtrees hold {}", manifest_.tiles, tiles_));
@@ -75,7 +78,8 @@ class Verifier {
         const auto atlas = decode(tile, Layer::kAtlas);
         uint32_t charts = tile.steps(Layer::kAtlas).empty() ? 1 : 0;
         if (atlas) {
-            const auto view = codec::atlas::AtlasLayerView::create(atlas->words, atlas->step_words);
+            const auto view =
+                codec::atlas::AtlasLayerView::create(atlas->words, atlas->step_words, manifest_.shared_chart_count);
             if (!view) say(tileset::layer_path(Layer::kAtlas, tile.address), view.error().text());
             if (view) charts = view->chart_count();
         }
@@ -140,6 +144,8 @@ nlohmann::json manifest_json(const tileset::Manifest& m) {
     out["triangles"] = m.triangles;
     out["facades"] = m.facades;
     out["facade_maps"] = m.facade_map_count;
+    out["shared_charts"] = m.shared_chart_count;
+    out["chart_dictionary_bytes"] = m.chart_index_bytes + m.chart_levels_bytes;
     out["facades_made_up"] = m.facades_made_up;
     out["tiles"] = m.tiles;
     out["levels"] = m.levels;
@@ -165,6 +171,11 @@ Result<nlohmann::json> read_city_info(const std::string& path) {
         auto facades = facade_dictionary_json(**reader, *manifest);
         if (!facades) return facades.error();
         out["facade_dictionary"] = std::move(facades).value();
+    }
+    if (manifest->shared_chart_count > 0) {
+        auto charts = chart_dictionary_json(**reader, *manifest);
+        if (!charts) return charts.error();
+        out["chart_dictionary"] = std::move(charts).value();
     }
     return out;
 }

@@ -257,8 +257,8 @@ class Writer final : public ReferenceWriter {
     /// The image's own bytes when they are PNG or JPEG that can be decoded, else PNG made of its pixels.
     std::string image_file(uint32_t image) {
         const city::ImageSource& source = catalog_->images[image];
-        if (source.pixels)
-            return encode_png({source.pixels->width, source.pixels->height, false, false, 0, source.pixels->rgb});
+        if (const auto drawn = source.drawn())
+            return encode_png({drawn->width, drawn->height, false, false, 0, drawn->rgb});
         const auto decoded = decode_image(source.path);
         if (!decoded) return {};
         std::ifstream file(source.path, std::ios::binary);

@@ -81,10 +81,10 @@ const Pictures::Small& Pictures::small(uint32_t image) {
     if (!is_new) return small;
     const city::ImageSource& source = catalog_.images[image];
     ChartImage whole;
-    if (source.pixels) {
-        whole.width = source.pixels->width;
-        whole.height = source.pixels->height;
-        whole.rgb = source.pixels->rgb;
+    if (const auto drawn = source.drawn()) {
+        whole.width = drawn->width;
+        whole.height = drawn->height;
+        whole.rgb = drawn->rgb;
     } else if (auto decoded = decode_image(source.path)) {
         whole = std::move(decoded).value();
     }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "tiles/layers/image_uses.h"
+
 namespace citystream::tiles::layers {
 namespace {
 
@@ -15,10 +17,10 @@ using quadtree::PaintKind;
 constexpr int64_t kOneRepeat = 65536;
 constexpr int64_t kEdgeSlack = 64;  // a thousandth of a repeat outside 0..1 still counts as inside
 constexpr uint32_t kGreatestChart = 8192;
-constexpr double kCoarsestShare = 1.5;  // a texel is at least the wanted size divided by this
 constexpr double kMarginTexels = 1;
-// Metres: every tile with facades carries the pictures of their materials, so finer ones cost much in a large city.
-constexpr double kMaterialTexel = 0.05;
+// Metres, of the materials of facades. Where every tile with facades carries their pictures, finer ones cost much in a
+// large city.
+constexpr double kOwnMaterialTexel = 0.05, kSharedMaterialTexel = kLeafTexel;
 
 double world_area(const BuildObject& object, const BuildTriangle& triangle) {
     const auto n = quadtree::triangle_normal(object.vertices[triangle.vertex[0]], object.vertices[triangle.vertex[1]],
@@ -35,11 +37,11 @@ double texture_area(const BuildTriangle& triangle) {
 }
 
 /// Halvings after which a texel of `texel` metres is about `wanted`, and the image fits a chart.
-uint32_t halvings(const ChartImage& image, double texel, double wanted) {
+uint32_t halvings(const std::array<uint32_t, 2>& sides, double texel, double wanted) {
     uint32_t level = 0;
-    const uint32_t size = std::max(image.width, image.height);
+    const uint32_t size = std::max(sides[0], sides[1]);
     while ((size >> level) > 1 &&
-           ((size >> level) > kGreatestChart || std::ldexp(texel, static_cast<int>(level)) < wanted / kCoarsestShare))
+           ((size >> level) > kGreatestChart || std::ldexp(texel, static_cast<int>(level)) < wanted / kFinestShare))
         ++level;
     return level;
 }
@@ -49,10 +51,6 @@ codec::atlas::ContentHash hash_of(const ChartImage& image) {
     std::memcpy(words.data(), image.rgb.data(), image.rgb.size());
     const uint32_t flags = (image.repeat_u ? 1U : 0U) | (image.repeat_v ? 2U : 0U);
     return codec::atlas::content_hash({{image.width | image.height << 16, flags}, words});
-}
-
-bool is_one_texel(const ChartImage& image) {
-    return image.width == 1 && image.height == 1;
 }
 
 /// Whether two images show the same as charts.
@@ -68,8 +66,7 @@ void TileCharts::note(uint32_t object, const BuildObject& built) {
         const Paint& paint = built.paints[triangle.paint];
         if (paint.kind == PaintKind::kFlat) flat(paint.rgb());
         if (paint.kind == PaintKind::kFacade) {
-            facade_picture(paint.a, paint.b, facade_texel_);
-            blur_ = std::max(blur_, facade_texel_);
+            blur_ = std::max(blur_, find_facade_picture(paint.a, paint.b, facade_texel_).texel);
         }
         if (paint.kind != PaintKind::kMaterial) continue;
         ImagePaint& noted = noted_[paint];
@@ -94,81 +91,116 @@ void TileCharts::settle() {
     for (const auto& [paint, noted] : noted_) settle_image(paint, noted);
 }
 
+float TileCharts::ImageView::metres() const {
+    return width * height > 1 ? static_cast<float>(std::ldexp(texel, static_cast<int>(level))) : 0;
+}
+
 void TileCharts::settle_image(const Paint& paint, const ImagePaint& noted) {
     const city::Material& material = catalog_.materials[paint.a];
-    const auto whole = images_.mip(static_cast<uint32_t>(material.image), 0);
-    if (!whole) {
+    const auto sides = images_.sides(static_cast<uint32_t>(material.image));
+    if (!sides) {
         const uint32_t chart = flat(material.rgb);
         for (const auto& [object, range] : noted.objects) image_uses_[{paint, object}] = {chart, {}, {0, 0}};
         return;
     }
-    const double area = std::max(noted.texture_area, 1e-12) * whole->width * whole->height;
-    const double texel = std::sqrt(noted.world_area / area);
-    const uint32_t level = halvings(*whole, texel, texel_);
-    const auto image = images_.mip(static_cast<uint32_t>(material.image), level);
-    const auto level_texel = static_cast<float>(std::ldexp(texel, static_cast<int>(level)));
-    if (level > 0) blur_ = std::max(blur_, static_cast<double>(level_texel));
+    ImageView view{paint, noted, static_cast<uint32_t>(material.image)};
+    const double area = std::max(noted.texture_area, 1e-12) * (*sides)[0] * (*sides)[1];
+    view.texel = std::sqrt(noted.world_area / area);
+    view.level = halvings(*sides, view.texel, texel_);
+    view.width = std::max(1U, (*sides)[0] >> view.level);
+    view.height = std::max(1U, (*sides)[1] >> view.level);
     const bool outside = std::any_of(noted.objects.begin(), noted.objects.end(), [](const auto& entry) {
         const Range& r = entry.second;
         return r.lo[0] < -kEdgeSlack || r.lo[1] < -kEdgeSlack || r.hi[0] > kOneRepeat + kEdgeSlack ||
                r.hi[1] > kOneRepeat + kEdgeSlack;
     });
     if (outside) {
-        settle_whole(paint, noted, *image, material.repeat, level_texel);
+        settle_whole(view, material.repeat);
     } else {
-        settle_crops(paint, noted, *image, level_texel);
+        settle_crops(view, plan_crops(view));
     }
 }
 
-void TileCharts::settle_whole(const Paint& paint, const ImagePaint& noted, const ChartImage& image, bool repeat,
-                              float texel) {
-    ChartImage chart = image;
+void TileCharts::note_blur(const ImageView& view, int level) {
+    if (level > 0) blur_ = std::max(blur_, std::ldexp(view.texel, level));
+}
+
+std::optional<SharedChart> TileCharts::take(const ChartKey& key, double coarseness, uint64_t texels) {
+    return shelf_ == nullptr ? std::nullopt : shelf_->take(key, coarseness, texels);
+}
+
+bool TileCharts::take_whole(const ImageView& view, bool repeat, uint64_t texels) {
+    const auto kind = repeat ? ChartKey::Kind::kRepeatedImage : ChartKey::Kind::kImage;
+    const auto shared = take({kind, {view.image, 0}}, view.level, texels);
+    if (!shared) return false;
+    const int level = static_cast<int>(shared->coarseness);
+    note_blur(view, level);
+    use_whole(view, add_shared(shared->number, std::ldexp(view.texel, level)), repeat);
+    return true;
+}
+
+void TileCharts::settle_whole(const ImageView& view, bool repeat) {
+    if (take_whole(view, repeat, uint64_t{view.width} * view.height)) return;
+    note_blur(view, static_cast<int>(view.level));
+    ChartImage chart = *images_.mip(view.image, view.level);
     chart.repeat_u = chart.repeat_v = repeat;
-    chart.metres_per_texel = image.width * image.height > 1 ? texel : 0;
-    const uint32_t index = add(std::move(chart));
-    for (const auto& [object, range] : noted.objects) {
+    chart.metres_per_texel = view.metres();
+    use_whole(view, add(std::move(chart)), repeat);
+}
+
+void TileCharts::use_whole(const ImageView& view, uint32_t chart, bool repeat) {
+    for (const auto& [object, range] : view.noted.objects) {
         ChartUse use;
-        use.chart = index;
+        use.chart = chart;
         // Whole repeats are shifted away object by object, so that the packed coordinates stay small.
         for (size_t axis = 0; repeat && axis < 2; ++axis)
             use.offset[axis] = static_cast<double>((range.lo[axis] >> 16) * kOneRepeat);
-        image_uses_[{paint, object}] = use;
+        image_uses_[{view.paint, object}] = use;
     }
 }
 
-void TileCharts::settle_crops(const Paint& paint, const ImagePaint& noted, const ChartImage& image, float texel) {
-    std::map<uint32_t, Crop> crops;
-    Crop all{image.width, image.height, 0, 0};
-    uint64_t sum = 0;
-    for (const auto& [object, range] : noted.objects) {
-        const auto low = [](int64_t t, uint32_t size) {
-            return static_cast<uint32_t>(
-                std::clamp(std::floor(static_cast<double>(t) / kOneRepeat * size) - kMarginTexels, 0.0, size - 1.0));
-        };
-        const auto high = [](int64_t t, uint32_t size) {
-            return static_cast<uint32_t>(
-                std::clamp(std::ceil(static_cast<double>(t) / kOneRepeat * size) + kMarginTexels, 1.0, size * 1.0));
-        };
-        Crop crop{low(range.lo[0], image.width), low(range.lo[1], image.height), high(range.hi[0], image.width),
-                  high(range.hi[1], image.height)};
+TileCharts::Crops TileCharts::plan_crops(const ImageView& view) {
+    const auto low = [](int64_t t, uint32_t size) {
+        return static_cast<uint32_t>(
+            std::clamp(std::floor(static_cast<double>(t) / kOneRepeat * size) - kMarginTexels, 0.0, size - 1.0));
+    };
+    const auto high = [](int64_t t, uint32_t size) {
+        return static_cast<uint32_t>(
+            std::clamp(std::ceil(static_cast<double>(t) / kOneRepeat * size) + kMarginTexels, 1.0, size * 1.0));
+    };
+    Crops crops;
+    Crop& all = crops.all;
+    all = {view.width, view.height, 0, 0};
+    for (const auto& [object, range] : view.noted.objects) {
+        Crop crop{low(range.lo[0], view.width), low(range.lo[1], view.height), high(range.hi[0], view.width),
+                  high(range.hi[1], view.height)};
         crop.x1 = std::max(crop.x1, crop.x0 + 1);
         crop.y1 = std::max(crop.y1, crop.y0 + 1);
         all = {std::min(all.x0, crop.x0), std::min(all.y0, crop.y0), std::max(all.x1, crop.x1),
                std::max(all.y1, crop.y1)};
-        sum += crop.area();
-        crops[object] = crop;
+        crops.area += crop.area();
+        crops.of_object[object] = crop;
     }
-    const bool together = 2 * all.area() <= 3 * sum;
-    const uint32_t common = together ? add_crop(image, all, texel) : 0;
-    for (const auto& [object, own] : crops) {
-        const Crop& crop = together ? all : own;
+    crops.together = 2 * all.area() <= 3 * crops.area;
+    if (crops.together) crops.area = all.area();
+    return crops;
+}
+
+void TileCharts::settle_crops(const ImageView& view, const Crops& crops) {
+    if (take_whole(view, false, crops.area)) return;
+    note_blur(view, static_cast<int>(view.level));
+    const auto image = images_.mip(view.image, view.level);
+    const auto texel = static_cast<float>(std::ldexp(view.texel, static_cast<int>(view.level)));
+    const uint32_t common = crops.together ? add_crop(*image, crops.all, texel) : 0;
+    for (const auto& [object, own] : crops.of_object) {
+        const Crop& crop = crops.together ? crops.all : own;
         ChartUse use;
-        use.chart = together ? common : add_crop(image, own, texel);
-        use.offset = {static_cast<double>(crop.x0) / image.width * kOneRepeat,
-                      static_cast<double>(crop.y0) / image.height * kOneRepeat};
-        use.scale = {static_cast<double>(image.width) / (crop.x1 - crop.x0),
-                     static_cast<double>(image.height) / (crop.y1 - crop.y0)};
-        image_uses_[{paint, object}] = use;
+        use.chart = crops.together ? common : add_crop(*image, own, texel);
+        use.offset = {static_cast<double>(crop.x0) / image->width * kOneRepeat,
+                      static_cast<double>(crop.y0) / image->height * kOneRepeat};
+        use.scale = {static_cast<double>(image->width) / (crop.x1 - crop.x0),
+                     static_cast<double>(image->height) / (crop.y1 - crop.y0)};
+        image_uses_[{view.paint, object}] = use;
     }
 }
 
@@ -192,39 +224,63 @@ ChartUse TileCharts::placed_use(uint32_t object, const Paint& paint) const {
         case PaintKind::kMaterial:
             return image_uses_.at({paint, object});
         case PaintKind::kFacade:
-            return {facade_pictures_.at({paint.a, paint.b}), {}, {1, 1}};
+            return {facade_pictures_.at({paint.a, paint.b}).chart, {}, {1, 1}};
         case PaintKind::kGroundPicture:
             return {ground_pictures_.at(paint.a), {}, {1, 1}};
     }
     return {};
 }
 
+bool TileCharts::is_one_texel(uint32_t chart) const {
+    const uint32_t own = own_index_[chart];
+    return own != kNotOwn && own_[own].width == 1 && own_[own].height == 1;
+}
+
 ChartUse TileCharts::use(uint32_t object, const Paint& paint) const {
     const ChartUse placed = placed_use(object, paint);
-    return is_one_texel(charts_[placed.chart]) ? use_of_whole(placed.chart) : placed;
+    return is_one_texel(placed.chart) ? use_of_whole(placed.chart) : placed;
 }
 
 ChartUse TileCharts::use_of_whole(uint32_t chart) const {
     // Where every coordinate shows the same, all are 0: they cost the mesh nothing.
-    return is_one_texel(charts_[chart]) ? ChartUse{chart, {}, {0, 0}} : ChartUse{chart, {}, {1, 1}};
+    return is_one_texel(chart) ? ChartUse{chart, {}, {0, 0}} : ChartUse{chart, {}, {1, 1}};
+}
+
+const TileCharts::FacadePicture& TileCharts::find_facade_picture(uint32_t map, uint32_t palette, double texel) {
+    const auto [found, is_new] = facade_pictures_.try_emplace({map, palette});
+    FacadePicture& picture = found->second;
+    if (!is_new) return picture;
+    const auto shared =
+        take({ChartKey::Kind::kFacadePicture, {map, palette}}, texel, facades_.picture_size(map, texel).texels());
+    if (shared) {
+        picture = {add_shared(shared->number, shared->metres_per_texel), shared->coarseness};
+    } else {
+        picture = {add(*facades_.picture(map, palette, texel)), texel};
+    }
+    return picture;
 }
 
 uint32_t TileCharts::facade_picture(uint32_t map, uint32_t palette, double texel) {
-    const auto found = facade_pictures_.find({map, palette});
-    if (found != facade_pictures_.end()) return found->second;
-    return facade_pictures_[{map, palette}] = add(*facades_.picture(map, palette, texel));
+    return find_facade_picture(map, palette, texel).chart;
 }
 
 uint32_t TileCharts::facade_material(uint32_t material) {
     const auto found = facade_materials_.find(material);
     if (found != facade_materials_.end()) return found->second;
     const city::Material& m = catalog_.materials[material];
-    const auto whole = m.image < 0 ? nullptr : images_.mip(static_cast<uint32_t>(m.image), 0);
-    if (!whole) return facade_materials_[material] = flat(m.rgb);
+    const auto image = static_cast<uint32_t>(m.image);
+    const auto sides = m.image < 0 ? std::nullopt : images_.sides(image);
+    if (!sides) return facade_materials_[material] = flat(m.rgb);
     const double repeat = m.metres_per_repeat > 0 ? static_cast<double>(m.metres_per_repeat) : 1.0;
-    const double texel = repeat / std::max(whole->width, whole->height);
-    const uint32_t level = halvings(*whole, texel, std::max(texel_, kMaterialTexel));
-    ChartImage chart = *images_.mip(static_cast<uint32_t>(m.image), level);
+    const double texel = repeat / std::max((*sides)[0], (*sides)[1]);
+    const double finest = shelf_ == nullptr ? kOwnMaterialTexel : kSharedMaterialTexel;
+    const uint32_t level = halvings(*sides, texel, std::max(texel_, finest));
+    const uint64_t texels = uint64_t{std::max(1U, (*sides)[0] >> level)} * std::max(1U, (*sides)[1] >> level);
+    if (const auto shared = take({ChartKey::Kind::kRepeatedImage, {image, 0}}, level, texels)) {
+        return facade_materials_[material] =
+                   add_shared(shared->number, std::ldexp(texel, static_cast<int>(shared->coarseness)));
+    }
+    ChartImage chart = *images_.mip(image, level);
     chart.repeat_u = chart.repeat_v = true;
     chart.metres_per_texel =
         chart.width * chart.height > 1 ? static_cast<float>(std::ldexp(texel, static_cast<int>(level))) : 0;
@@ -235,8 +291,7 @@ uint32_t TileCharts::flat(const std::array<uint8_t, 3>& rgb) {
     const uint32_t key = Paint::flat(rgb).a;
     const auto found = flats_.find(key);
     if (found != flats_.end()) return found->second;
-    charts_.push_back({1, 1, false, false, 0, {rgb[0], rgb[1], rgb[2]}});
-    return flats_[key] = static_cast<uint32_t>(charts_.size() - 1);
+    return flats_[key] = add_own({1, 1, false, false, 0, {rgb[0], rgb[1], rgb[2]}});
 }
 
 uint32_t TileCharts::add(ChartImage image) {
@@ -244,15 +299,31 @@ uint32_t TileCharts::add(ChartImage image) {
     const codec::atlas::ContentHash hash = hash_of(image);
     const auto [begin, end] = by_content_.equal_range(hash);
     for (auto entry = begin; entry != end; ++entry) {
-        ChartImage& there = charts_[entry->second];
+        ChartImage& there = own_[own_index_[entry->second]];
         if (!looks_equal(there, image)) continue;
         there.metres_per_texel = std::max(there.metres_per_texel, image.metres_per_texel);
         return entry->second;
     }
-    charts_.push_back(std::move(image));
-    const auto index = static_cast<uint32_t>(charts_.size() - 1);
-    by_content_.emplace(hash, index);
-    return index;
+    const uint32_t chart = add_own(std::move(image));
+    by_content_.emplace(hash, chart);
+    return chart;
+}
+
+uint32_t TileCharts::add_own(ChartImage image) {
+    own_index_.push_back(static_cast<uint32_t>(own_.size()));
+    own_.push_back(std::move(image));
+    return static_cast<uint32_t>(own_index_.size() - 1);
+}
+
+uint32_t TileCharts::add_shared(uint32_t number, double metres_per_texel) {
+    const auto [found, is_new] = by_number_.try_emplace(number, shared_.size());
+    if (is_new) {
+        own_index_.push_back(kNotOwn);
+        shared_.push_back({static_cast<uint32_t>(own_index_.size() - 1), number, 0});
+    }
+    codec::atlas::SharedChartUse& use = shared_[found->second];
+    use.metres_per_texel = std::max(use.metres_per_texel, static_cast<float>(metres_per_texel));
+    return use.chart_in_tile;
 }
 
 }  // namespace citystream::tiles::layers

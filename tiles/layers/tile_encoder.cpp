@@ -47,11 +47,30 @@ void append_layer(EncodedTile& tile, Layer layer, const LayerSteps& steps) {
 /// Builds the arrays of a tile in the order: triangles of objects, skirts, then the flat stand-ins of facades.
 class TileAssembly {
   public:
-    TileAssembly(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop)
+    TileAssembly(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop, ChartShelf* shelf)
         : spec_(spec),
           content_(content),
           workshop_(workshop),
-          charts_(workshop.catalog, workshop.images, workshop.facades, spec.texel, spec.facade_texel) {}
+          charts_(workshop.catalog, workshop.images, workshop.facades, spec.texel, spec.facade_texel, shelf) {
+        for (const BuildObject& object : content.objects) {
+            for (const BuildFacade& facade : object.facades)
+                relief_ = std::max(relief_, workshop.facades.facts(facade.map).flat_loss());
+        }
+    }
+
+    /// Asks for the charts that run() asks for, but for ground pictures, which no other tile has.
+    void ask_for_charts() {
+        for (uint32_t i = 0; i < content_.objects.size(); ++i) charts_.note(i, content_.objects[i]);
+        charts_.settle();
+        for (const BuildObject& object : content_.objects) {
+            for (const BuildFacade& facade : object.facades) {
+                const FacadeFacts& facts = workshop_.facades.facts(facade.map);
+                stand_in_chart(facade, facts);
+                if (wants(Layer::kFacade)) note_palette(facade, facts);
+            }
+        }
+        add_palettes();
+    }
 
     EncodedTile run() {
         place();
@@ -80,7 +99,6 @@ class TileAssembly {
                     box_.add(GridPoint{p.x - reach, p.y - reach, p.z});
                     box_.add(GridPoint{p.x + reach, p.y + reach, p.z});
                 }
-                relief_ = std::max(relief_, facts.flat_loss());
             }
         }
         for (const SkirtQuad& skirt : skirts_) {
@@ -153,16 +171,32 @@ class TileAssembly {
             }
         }
         if (!wants(Layer::kFacade)) mesh_.dressed_begin = static_cast<uint32_t>(mesh_.triangle_chart.size());
-        for (auto& [palette, index] : palettes_) {
+        add_palettes();
+    }
+
+    void add_palettes() {
+        facade_tile_.palettes.resize(palettes_.size());
+        for (const auto& [palette, use] : palettes_) {
             for (uint32_t slot = 0; slot < FACADE_PALETTE_SLOTS; ++slot) {
-                facade_tile_.palettes[index].slots[slot] = {0, 1};
-                if (((palette_slots_[index] >> slot) & 1U) == 0) continue;
+                facade_tile_.palettes[use.index].slots[slot] = {0, 1};
+                if (((use.slots >> slot) & 1U) == 0) continue;
                 const uint32_t material = workshop_.catalog.palettes[palette].material[slot];
                 const city::Material& m = workshop_.catalog.materials[material];
-                facade_tile_.palettes[index].slots[slot] = {charts_.facade_material(material),
-                                                            m.metres_per_repeat > 0 ? m.metres_per_repeat : 1.0F};
+                facade_tile_.palettes[use.index].slots[slot] = {charts_.facade_material(material),
+                                                                m.metres_per_repeat > 0 ? m.metres_per_repeat : 1.0F};
             }
         }
+    }
+
+    /// A palette of the catalog as the tile has it.
+    struct PaletteUse {
+        uint32_t index = 0, slots = 0;  ///< slots: bits
+    };
+    uint32_t note_palette(const BuildFacade& facade, const FacadeFacts& facts) {
+        const auto index = static_cast<uint32_t>(palettes_.size());
+        PaletteUse& use = palettes_.try_emplace(facade.palette, PaletteUse{index, 0}).first->second;
+        use.slots |= facts.slots;
+        return use.index;
     }
 
     /// What the flat stand-in of a facade shows: its picture, or its mean colour where it only waits for the relief,
@@ -185,12 +219,6 @@ class TileAssembly {
     }
 
     void add_placement(const BuildFacade& facade, const FacadeFacts& facts) {
-        const auto [found, is_new] = palettes_.try_emplace(facade.palette, static_cast<uint32_t>(palettes_.size()));
-        if (is_new) {
-            facade_tile_.palettes.emplace_back();
-            palette_slots_.push_back(0);
-        }
-        palette_slots_[found->second] |= facts.slots;
         codec::facade::Placement placement{};
         placement.origin[0] = static_cast<int32_t>(facade.origin.x - spec_.corner.x);
         placement.origin[1] = static_cast<int32_t>(facade.origin.y - spec_.corner.y);
@@ -199,7 +227,7 @@ class TileAssembly {
         placement.along[1] = facade.along[1];
         placement.height = facade.height;
         placement.map = workshop_.numbers.number[facade.map];
-        placement.palette = found->second;
+        placement.palette = note_palette(facade, facts);
         facade_tile_.placements.push_back(placement);
         maps_.push_back(facade.map);
     }
@@ -234,7 +262,8 @@ class TileAssembly {
             append_layer(tile, Layer::kFacade, codec::facade::encode_facades(facade_tile_));
         }
         if (wants(Layer::kAtlas))
-            append_layer(tile, Layer::kAtlas, codec::atlas::encode_atlas(charts_.charts(), workshop_.atlas));
+            append_layer(tile, Layer::kAtlas,
+                         codec::atlas::encode_atlas(charts_.own_charts(), workshop_.atlas, charts_.shared_charts()));
     }
 
     const TileSpec& spec_;
@@ -247,15 +276,20 @@ class TileAssembly {
     double relief_ = 0;
     MeshTile mesh_;
     codec::facade::FacadeTile facade_tile_;
-    std::map<uint32_t, uint32_t> palettes_;  // catalog palette -> palette of the tile
-    std::vector<uint32_t> palette_slots_;
+    std::map<uint32_t, PaletteUse> palettes_;  // by palette of the catalog
     std::vector<uint32_t> maps_;
 };
 
 }  // namespace
 
+TileWishes wishes_of(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop) {
+    TileWishes wishes;
+    TileAssembly(spec, content, workshop, &wishes).ask_for_charts();
+    return wishes;
+}
+
 EncodedTile encode_tile(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop) {
-    return TileAssembly(spec, content, workshop).run();
+    return TileAssembly(spec, content, workshop, workshop.charts).run();
 }
 
 }  // namespace citystream::tiles::layers

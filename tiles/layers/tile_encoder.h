@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "tiles/layers/chart_wishes.h"
 #include "tiles/layers/facade_numbers.h"
 #include "tiles/layers/facade_painter.h"
 #include "tiles/quadtree/build_object.h"
@@ -25,6 +26,7 @@ struct TileWorkshop {
     std::array<bool, tileset::kLayerCount> layers = {true, true, true, false};
     GridPoint city_origin;
     codec::atlas::AtlasOptions atlas = {};
+    ChartShelf* charts = nullptr;  ///< the chart dictionary; nothing: every tile has charts of its own only
 };
 
 struct TileSpec {
@@ -50,6 +52,9 @@ struct EncodedTile {
     std::array<std::vector<std::byte>, tileset::kLayerCount> bytes;
     uint64_t triangles = 0;  ///< of the mesh layer
 };
+
+/// What a tile would take from the chart dictionary: its layers need nothing of `workshop.charts`.
+TileWishes wishes_of(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop);
 
 /// Encodes. Deterministic; may run on many threads with one workshop.
 EncodedTile encode_tile(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop);

@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <condition_variable>
 #include <cstring>
 #include <iterator>
-#include <mutex>
-#include <optional>
-#include <thread>
 
+#include "tiles/layers/build_stage.h"
 #include "tiles/layers/coarsen.h"
 #include "tiles/layers/flat_ground.h"
 #include "tiles/layers/hidden_faces.h"
+#include "tiles/layers/image_uses.h"
+#include "tiles/layers/memory_pass.h"
 #include "tiles/layers/party_walls.h"
 
 namespace citystream::tiles::layers {
@@ -20,7 +19,6 @@ namespace {
 using quadtree::BuildObject;
 using quadtree::TileNode;
 
-constexpr double kLeafTexel = 0.02;
 constexpr double kPixelsAcrossTile = 512;  // an inner tile's error is its side over this
 // The decimated ground keeps its border, so beside a tile of another level a gap is no deeper than their errors, and
 // no wider than the tolerance on the screen. A skirt that hangs deeper shows where a city ends at a tile's border.
@@ -28,27 +26,6 @@ constexpr double kSkirtErrors = 1, kPictureSkirtErrors = 2, kSkirtLeastMetres = 
 constexpr uint64_t kInnerTriangles = 49152;
 constexpr uint64_t kBytesPerTriangle = 2000;  // estimate of what a tile takes while it is coarsened and encoded
 constexpr uint64_t kBytesPerTile = 16 << 20;
-
-/// Lets threads into work while the sum of what they announced fits; one may always go on.
-class MemoryGate {
-  public:
-    explicit MemoryGate(uint64_t budget) : budget_(budget) {}
-    void enter(uint64_t bytes) {
-        std::unique_lock lock(mutex_);
-        changed_.wait(lock, [&] { return used_ == 0 || used_ + bytes <= budget_; });
-        used_ += bytes;
-    }
-    void leave(uint64_t bytes) {
-        const std::lock_guard lock(mutex_);
-        used_ -= bytes;
-        changed_.notify_all();
-    }
-
-  private:
-    std::mutex mutex_;
-    std::condition_variable changed_;
-    uint64_t budget_, used_ = 0;
-};
 
 /// Pictures (count, then width, height, metres a texel and texels of each), then objects.
 std::vector<std::byte> serialise_content(const TileContent& content) {
@@ -99,51 +76,60 @@ Result<TileContent> deserialise_content(std::span<const std::byte> bytes) {
 class Pipeline {
   public:
     explicit Pipeline(const PipelineInput& input)
-        : in_(input), gate_(input.options.memory_limit / 2), built_(input.tree.nodes.size()) {}
+        : in_(input),
+          gate_(input.options.memory_limit / 2),
+          built_(input.tree.nodes.size()),
+          specs_(input.tree.nodes.size()),
+          workshop_(input.workshop) {}
 
     Result<std::vector<BuiltTile>> run() {
-        for (uint32_t level = in_.tree.levels(); level-- > 0;) {
-            std::vector<size_t> nodes;
-            for (size_t i = 0; i < in_.tree.nodes.size(); ++i) {
-                if (in_.tree.nodes[i].address.level == level) nodes.push_back(i);
-            }
-            run_level(nodes);
-            if (error_) return *error_;
+        if (Status status = prepare_all(); !status) return status.error();
+        if (shares_charts()) {
+            auto made = ChartDictionary::make(wishes_, {workshop_.images, workshop_.facades, workshop_.atlas},
+                                              in_.options, in_.chart_spool);
+            if (!made) return made.error();
+            in_.charts = std::move(made).value();
+            workshop_.charts = &in_.charts;
         }
+        BuildStage stage(in_.options, "tiles", built_.size());
+        const Status status = stage.run(built_.size(), [this](size_t at) {
+            const MemoryPass pass(gate_, bytes_of(at));
+            return encode(at);
+        });
+        if (!status) return status.error();
+        include_children();
         return std::move(built_);
     }
 
   private:
-    void run_level(const std::vector<size_t>& nodes) {
-        std::atomic<size_t> next = 0;
-        const auto work = [&] {
-            for (size_t i = next++; i < nodes.size() && !stopped(); i = next++) {
-                const TileNode& node = in_.tree.nodes[nodes[i]];
-                const uint64_t bytes = kBytesPerTile + kBytesPerTriangle * std::min(node.weight, 4 * kInnerTriangles);
-                gate_.enter(bytes);
-                const Status status = node.leaf ? build_leaf(nodes[i]) : build_inner(nodes[i]);
-                gate_.leave(bytes);
-                finish_one(status);
-            }
-        };
-        const uint32_t jobs =
-            in_.options.jobs != 0 ? in_.options.jobs : std::max(1U, std::thread::hardware_concurrency());
-        std::vector<std::jthread> threads;
-        for (uint32_t i = 1; i < std::min<size_t>(jobs, nodes.size()); ++i) threads.emplace_back(work);
-        work();
+    bool shares_charts() const {
+        return in_.options.shared_charts && in_.options.layers[static_cast<size_t>(tileset::Layer::kAtlas)];
     }
 
-    bool stopped() {
-        const std::lock_guard lock(mutex_);
-        if (!error_ && in_.options.cancel != nullptr && in_.options.cancel->load()) error_ = Error{"interrupted"};
-        return error_.has_value();
+    /// Nodes by level.
+    std::vector<std::vector<size_t>> levels() const {
+        std::vector<std::vector<size_t>> levels(in_.tree.levels());
+        for (size_t i = 0; i < in_.tree.nodes.size(); ++i) levels[in_.tree.nodes[i].address.level].push_back(i);
+        return levels;
     }
 
-    void finish_one(const Status& status) {
-        const std::lock_guard lock(mutex_);
-        if (!status && !error_) error_ = status.error();
-        ++done_;
-        if (in_.options.progress) in_.options.progress("tiles", done_, in_.tree.nodes.size());
+    /// Coarsens what inner tiles hold, deepest level first, and notes which charts tiles could share.
+    Status prepare_all() {
+        BuildStage stage(in_.options, "coarsen", built_.size());
+        const auto by_level = levels();
+        for (auto nodes = by_level.rbegin(); nodes != by_level.rend(); ++nodes) {
+            const Status status = stage.run(nodes->size(), [&](size_t i) {
+                const size_t at = (*nodes)[i];
+                const MemoryPass pass(gate_, bytes_of(at));
+                return in_.tree.nodes[at].leaf ? prepare_leaf(at) : prepare_inner(at);
+            });
+            if (!status) return status;
+        }
+        return Done{};
+    }
+
+    uint64_t bytes_of(size_t at) const {
+        return kBytesPerTile + kBytesPerTriangle * std::min(in_.tree.nodes[at].weight, 4 * kInnerTriangles);
     }
 
     double side_metres(const TileNode& node) const { return to_metres(in_.tree.side(node.address.level)); }
@@ -175,12 +161,27 @@ class Pipeline {
         return objects;
     }
 
-    Status build_leaf(size_t at) {
-        const TileNode& node = in_.tree.nodes[at];
-        auto content = content_of(at);
+    /// Leaves first, along the Morton curve, then inner tiles.
+    uint64_t rank(size_t at) const { return in_.tree.nodes[at].leaf ? at : built_.size() + at; }
+
+    void note_wishes(size_t at, const TileContent& content) {
+        if (shares_charts()) wishes_.add(rank(at), wishes_of(specs_[at], content, workshop_));
+    }
+
+    Status prepare_leaf(size_t at) {
+        specs_[at] = spec_of(in_.tree.nodes[at]);
+        if (!shares_charts()) return Done{};
+        const auto content = content_of(at);
         if (!content) return content.error();
-        in_.preview.draw(content->objects);
-        return keep(at, encode_tile(spec_of(node), *content, in_.workshop));
+        note_wishes(at, *content);
+        return Done{};
+    }
+
+    Status encode(size_t at) {
+        const auto content = content_of(at);
+        if (!content) return content.error();
+        if (in_.tree.nodes[at].leaf) in_.preview.draw(content->objects);
+        return keep(at, encode_tile(specs_[at], *content, workshop_));
     }
 
     Result<TileContent> child_content(const TileNode& node) {
@@ -218,19 +219,19 @@ class Pipeline {
         return deserialise_content(bytes);
     }
 
-    Status build_inner(size_t at) {
+    Status prepare_inner(size_t at) {
         const TileNode& node = in_.tree.nodes[at];
         auto children = child_content(node);
         if (!children) return children.error();
-        TileSpec spec = spec_of(node);
+        TileSpec& spec = specs_[at];
+        spec = spec_of(node);
         CoarsenSpec coarse_spec;
         coarse_spec.corner = spec.corner;
         coarse_spec.side = spec.side;
         coarse_spec.error_metres = level_error(side_metres(node));
         spec.texel = std::max(kLeafTexel, coarse_spec.error_metres / 2);
         coarse_spec.triangle_limit = kInnerTriangles;
-        CoarseContent coarse = coarsen(std::move(children).value(), coarse_spec, in_.workshop);
-        if (Status status = store_content(at, coarse.content); !status) return status;
+        const CoarseContent coarse = coarsen(std::move(children).value(), coarse_spec, workshop_);
         spec.facade_texel = std::max(kLeafTexel, coarse.allowed_error);
         spec.geometric_error = coarse.error;
         spec.inner = true;
@@ -239,17 +240,19 @@ class Pipeline {
             spec.skirt_metres = std::max(spec.skirt_metres,
                                          kPictureSkirtErrors * static_cast<double>(object.error) + kSkirtLeastMetres);
         }
-        EncodedTile tile = encode_tile(spec, coarse.content, in_.workshop);
-        include_children(node, tile.record);
-        return keep(at, std::move(tile));
-    }
-
-    Status store_content(size_t at, const TileContent& content) {
-        if (at == 0) return Done{};  // nobody reads the root's
-        auto range = in_.content_spool.append(serialise_content(content));
+        note_wishes(at, coarse.content);
+        auto range = in_.content_spool.append(serialise_content(coarse.content));
         if (!range) return range.error();
         built_[at].content = *range;
         return Done{};
+    }
+
+    /// Bounds and errors hold for everything below a tile.
+    void include_children() {
+        const auto by_level = levels();
+        for (auto nodes = by_level.rbegin(); nodes != by_level.rend(); ++nodes) {
+            for (const size_t at : *nodes) include_children(in_.tree.nodes[at], built_[at].record);
+        }
     }
 
     void include_children(const TileNode& node, tileset::TileRecord& record) const {
@@ -279,9 +282,9 @@ class Pipeline {
     const PipelineInput& in_;
     MemoryGate gate_;
     std::vector<BuiltTile> built_;
-    std::mutex mutex_;
-    std::optional<Error> error_;
-    uint64_t done_ = 0;
+    std::vector<TileSpec> specs_;  // by node
+    CityWishes wishes_;
+    TileWorkshop workshop_;
 };
 
 }  // namespace

@@ -1,14 +1,11 @@
-// Passes 2 and 3 of a build: every tile of the quadtree, deepest level first, on many threads, with its layers going to
-// a spool file.
+// Passes 2 to 4 of a build, on many threads: what inner tiles hold is coarsened, deepest level first; what several
+// tiles show goes to the chart dictionary; every tile is encoded, its layers going to a spool file.
 #pragma once
 
-#include <atomic>
-#include <functional>
-#include <memory>
-#include <string_view>
 #include <vector>
 
 #include "tiles/layers/build_city.h"
+#include "tiles/layers/chart_dictionary.h"
 #include "tiles/layers/preview.h"
 #include "tiles/layers/tile_encoder.h"
 #include "tiles/quadtree/tile_tree.h"
@@ -29,7 +26,9 @@ struct PipelineInput {
     quadtree::ObjectSpool& objects;
     quadtree::SpoolFile& layer_spool;
     quadtree::SpoolFile& content_spool;
-    const TileWorkshop& workshop;
+    const TileWorkshop& workshop;  ///< without charts
+    ChartDictionary& charts;       ///< is made; stays empty where options.shared_charts is not set
+    quadtree::SpoolFile& chart_spool;
     Preview& preview;
     bool made_up_ground = false;
 };

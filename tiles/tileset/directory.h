@@ -1,5 +1,5 @@
-// The directory of a city in memory: manifest, tile records with step tables, facade dictionary index. tileset_json.h
-// and subtree.h hold its 3D Tiles 1.1 form. FORMAT.md beside this file lists every entry of an archive.
+// The directory of a city in memory: manifest, tile records with step tables, facade and chart dictionary index.
+// tileset_json.h and subtree.h hold its 3D Tiles 1.1 form. FORMAT.md beside this file lists every entry of an archive.
 #pragma once
 
 #include <array>
@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "codec/atlas/shared_chart.h"
 #include "codec/facade/facade_levels.h"
 #include "codec/grid.h"
 
@@ -77,6 +78,25 @@ struct FacadeMapRecord {
     friend bool operator==(const FacadeMapRecord&, const FacadeMapRecord&) = default;
 };
 
+/// One level of a shared chart: a payload in the levels entry (codec/atlas/shared_chart.h).
+struct ChartLevelRecord {
+    uint64_t begin = 0;
+    uint32_t bytes = 0;
+    uint64_t end() const { return begin + bytes; }
+    friend bool operator==(const ChartLevelRecord&, const ChartLevelRecord&) = default;
+};
+
+/// One chart of the city's chart dictionary, coarse to fine.
+struct ChartRecord {
+    uint16_t width = 0, height = 0;   ///< texels of the finest mip, 1..8192
+    uint8_t flags = 0;                ///< ATLAS_CHART_REPEAT_U, _V
+    std::array<uint8_t, 3> colour{};  ///< sRGB mean: what is shown while it cannot be had
+    uint32_t level_count = 0;         ///< codec::atlas::atlas_step_count(width, height)
+    std::array<ChartLevelRecord, codec::atlas::kMostChartLevels> level{};
+    std::span<const ChartLevelRecord> levels() const { return {level.data(), level_count}; }
+    friend bool operator==(const ChartRecord&, const ChartRecord&) = default;
+};
+
 struct Manifest {
     std::string title;
     int32_t epsg = 0;
@@ -95,7 +115,12 @@ struct Manifest {
     uint64_t facade_index_bytes = 0;  ///< of the entry facades/index (one zstd frame)
     uint64_t facade_index_decoded_bytes = 0;
     uint64_t facade_index_checksum = 0;
-    std::string build_options;  ///< what the builder was asked for, for people
+    uint64_t shared_chart_count = 0;  ///< 0: no tile names a shared chart, and there are no entries charts/
+    uint64_t chart_index_bytes = 0;   ///< of the entry charts/index (one zstd frame)
+    uint64_t chart_index_decoded_bytes = 0;
+    uint64_t chart_index_checksum = 0;
+    uint64_t chart_levels_bytes = 0;  ///< of the entry charts/levels
+    std::string build_options;        ///< what the builder was asked for, for people
     friend bool operator==(const Manifest&, const Manifest&) = default;
 
     double side_metres(uint32_t level) const {
@@ -111,6 +136,8 @@ std::string subtree_path(TileAddress subtree_root);        ///< "subtrees/{level
 inline constexpr const char* kTilesetPath = "tileset.json";
 inline constexpr const char* kFacadeIndexPath = "facades/index";
 inline constexpr const char* kFacadeMapsPath = "facades/maps";
+inline constexpr const char* kChartIndexPath = "charts/index";
+inline constexpr const char* kChartLevelsPath = "charts/levels";
 inline constexpr const char* kPreviewPath = "preview.png";
 
 /// XXH3-64 as used by every checksum of the directory.

@@ -7,6 +7,7 @@
 
 #include "codec/bits/zstd_frame.h"
 #include "codec/facade/run_grid.h"
+#include "tiles/tileset/index_columns.h"
 
 namespace citystream::tiles::tileset {
 namespace {
@@ -21,45 +22,6 @@ constexpr float kMetresPerMm = 0.001F;
 long millimetres(float metres) {
     return std::lround(std::min(metres, 1000.0F) / kMetresPerMm);
 }
-
-/// Columns of one record number each, split into planes of bytes (all low bytes first): equal bytes lie side by side.
-class ColumnWriter {
-  public:
-    template <typename Value>
-    void add(size_t count, size_t bytes, Value value_at) {
-        const size_t begin = out_.size();
-        out_.resize(begin + count * bytes);
-        for (size_t i = 0; i < count; ++i) {
-            const uint32_t value = value_at(i);
-            for (size_t plane = 0; plane < bytes; ++plane)
-                out_[begin + plane * count + i] = static_cast<std::byte>(value >> (8 * plane));
-        }
-    }
-    std::vector<std::byte> take() { return std::move(out_); }
-
-  private:
-    std::vector<std::byte> out_;
-};
-
-class ColumnReader {
-  public:
-    explicit ColumnReader(std::span<const std::byte> raw) : raw_(raw) {}
-
-    /// Precondition: the bytes hold count * bytes more.
-    template <typename Put>
-    void read(size_t count, size_t bytes, Put put) {
-        for (size_t i = 0; i < count; ++i) {
-            uint32_t value = 0;
-            for (size_t plane = 0; plane < bytes; ++plane)
-                value |= static_cast<uint32_t>(raw_[plane * count + i]) << (8 * plane);
-            put(i, value);
-        }
-        raw_ = raw_.subspan(count * bytes);
-    }
-
-  private:
-    std::span<const std::byte> raw_;
-};
 
 Error defect(std::string_view what) {
     return {fmt::format("{}: {}", kFacadeIndexPath, what)};

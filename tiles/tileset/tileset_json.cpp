@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/json_fields.h"
 #include "tiles/tileset/tile_schema.h"
 
@@ -101,6 +102,18 @@ OrderedJson facade_json(const Manifest& manifest) {
     return facades;
 }
 
+OrderedJson charts_json(const Manifest& manifest) {
+    OrderedJson charts;
+    charts["count"] = exact_integer(manifest.shared_chart_count);
+    charts["indexUri"] = kChartIndexPath;
+    charts["indexBytes"] = exact_integer(manifest.chart_index_bytes);
+    charts["indexDecodedBytes"] = exact_integer(manifest.chart_index_decoded_bytes);
+    charts["indexChecksum"] = hex16(manifest.chart_index_checksum);
+    charts["levelsUri"] = kChartLevelsPath;
+    charts["levelsBytes"] = exact_integer(manifest.chart_levels_bytes);
+    return charts;
+}
+
 OrderedJson extension_json(const Manifest& manifest) {
     OrderedJson extension;
     extension["version"] = kExtensionVersion;
@@ -119,6 +132,7 @@ OrderedJson extension_json(const Manifest& manifest) {
     }
     extension["layers"] = layers_json(manifest);
     extension["facadeDictionary"] = facade_json(manifest);
+    if (manifest.shared_chart_count > 0) extension["chartDictionary"] = charts_json(manifest);
     extension["buildOptions"] = manifest.build_options;
     return extension;
 }
@@ -152,6 +166,27 @@ void read_space(const JsonFields& extension, Manifest& manifest) {
     }
 }
 
+void read_facades(const JsonFields& facades, Manifest& manifest) {
+    manifest.facade_map_count = facades.count("count", kMaxTotal);
+    manifest.facades_made_up = facades.flag("madeUp");
+    manifest.facade_index_bytes = facades.count("indexBytes", kMaxTotal);
+    manifest.facade_index_decoded_bytes = facades.count("indexDecodedBytes", kMaxTotal);
+    manifest.facade_index_checksum = facades.hex("indexChecksum");
+    facades.require(facades.text("indexUri") == kFacadeIndexPath, "indexUri", "is not \"facades/index\"");
+    facades.require(facades.text("mapsUri") == kFacadeMapsPath, "mapsUri", "is not \"facades/maps\"");
+}
+
+void read_charts(const JsonFields& charts, Manifest& manifest) {
+    manifest.shared_chart_count = charts.count("count", kMaxSharedCharts);
+    charts.require(manifest.shared_chart_count > 0, "count", "is 0");
+    manifest.chart_index_bytes = charts.count("indexBytes", kMaxTotal);
+    manifest.chart_index_decoded_bytes = charts.count("indexDecodedBytes", kMaxTotal);
+    manifest.chart_index_checksum = charts.hex("indexChecksum");
+    manifest.chart_levels_bytes = charts.count("levelsBytes", kMaxLayerWireBytes);
+    charts.require(charts.text("indexUri") == kChartIndexPath, "indexUri", "is not \"charts/index\"");
+    charts.require(charts.text("levelsUri") == kChartLevelsPath, "levelsUri", "is not \"charts/levels\"");
+}
+
 void read_contents(const JsonFields& extension, Manifest& manifest) {
     const JsonFields totals = extension.object("totals");
     manifest.buildings = totals.count("buildings", kMaxTotal);
@@ -171,14 +206,8 @@ void read_contents(const JsonFields& extension, Manifest& manifest) {
         manifest.wire_bytes[i] = layer.count("wireBytes", kMaxTotal);
         manifest.decoded_bytes[i] = layer.count("decodedBytes", kMaxTotal);
     }
-    const JsonFields facades = extension.object("facadeDictionary");
-    manifest.facade_map_count = facades.count("count", kMaxTotal);
-    manifest.facades_made_up = facades.flag("madeUp");
-    manifest.facade_index_bytes = facades.count("indexBytes", kMaxTotal);
-    manifest.facade_index_decoded_bytes = facades.count("indexDecodedBytes", kMaxTotal);
-    manifest.facade_index_checksum = facades.hex("indexChecksum");
-    facades.require(facades.text("indexUri") == kFacadeIndexPath, "indexUri", "is not \"facades/index\"");
-    facades.require(facades.text("mapsUri") == kFacadeMapsPath, "mapsUri", "is not \"facades/maps\"");
+    read_facades(extension.object("facadeDictionary"), manifest);
+    if (extension.has("chartDictionary")) read_charts(extension.object("chartDictionary"), manifest);
 }
 
 // Viewers without the extension see only the box; it must say the same.

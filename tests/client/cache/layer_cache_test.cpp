@@ -97,6 +97,45 @@ TEST(LayerCache, CountsWireBytesAndCutsThemByStep) {
     EXPECT_EQ(c.host.wire, 0u);
 }
 
+TEST(LayerCache, StepsMayComeInAnyOrderAndCountWhenThoseBeforeThemAreHere) {
+    Caches c(1);
+    CachedLayer& layer = c.cache.at(9);
+    c.cache.put_wire(layer, 2, bytes(30), true);
+    EXPECT_EQ(layer.wire_steps, 0u);
+    c.cache.put_wire(layer, 0, bytes(10), true);
+    EXPECT_EQ(layer.wire_steps, 1u);
+    c.cache.put_wire(layer, 1, bytes(20), true);
+    EXPECT_EQ(layer.wire_steps, 3u);
+    for (size_t step = 0; step < 3; ++step) EXPECT_EQ(layer.wire[step].size(), 10 * (step + 1));
+    EXPECT_EQ(c.host.wire, 60u);
+    c.cache.drop_wire_step(layer, 1);
+    c.cache.drop_wire_step(layer, 1);
+    EXPECT_EQ(layer.wire_steps, 1u);
+    EXPECT_EQ(layer.wire_bytes, 40u);
+    // What came early is held, and goes, like the rest.
+    c.cache.drop_wire_step(layer, 0);
+    EXPECT_EQ(layer.wire_steps, 0u);
+    EXPECT_EQ(c.host.wire, 30u);
+    c.cache.begin_selection();
+    c.host.budget = c.host.fixed;
+    EXPECT_TRUE(c.cache.free_host(0));
+    c.host.budget = c.host.fixed + 1;
+    EXPECT_TRUE(c.cache.free_host(1));
+    EXPECT_EQ(c.host.wire, 0u);
+}
+
+TEST(LayerCache, CountsChartsInTheStoreApartFromMaps) {
+    Caches c(8);
+    c.fill(chart_key(3), 4);
+    c.fill(map_key(map_piece(3, 1)), 4);
+    c.fill(layer_key(3, tiles::tileset::Layer::kMesh), 4);
+    EXPECT_EQ(c.cache.charts_in_store(), 1u);
+    EXPECT_EQ(c.cache.maps_in_store()[1], 1u);
+    c.cache.drop_store(c.cache.at(chart_key(3)));
+    EXPECT_EQ(c.cache.charts_in_store(), 0u);
+    EXPECT_EQ(c.cache.maps_in_store()[1], 1u);
+}
+
 TEST(LayerCache, DropsOldWireBytesToKeepTheHostBudget) {
     Caches c(1);
     c.host.budget = 4000;

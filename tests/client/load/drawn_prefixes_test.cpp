@@ -108,6 +108,37 @@ TEST(DrawnPrefixes, EachLevelOfAMapCountsOnceWhenItIsDrawn) {
     EXPECT_GT(pieces.size(), 5u);
 }
 
+TEST(DrawnPrefixes, EachSharedChartCountsOnceAtItsLongest) {
+    test::SyntheticOptions options;
+    options.shared_charts = 7;
+    const test::SyntheticCity city(options);
+    test::Flight flight(city);
+    CityIndex index;
+    index.learn("tileset.json", city.entries.at("tileset.json"));
+    for (const auto& [path, bytes] : city.entries) {
+        if (path.starts_with("subtrees/") || path == tiles::tileset::kChartIndexPath) index.learn(path, bytes);
+    }
+    ChartDictionary dictionary;
+    dictionary.learn(city.charts);
+    DrawnPrefixes with_charts(index, flight.store), without_charts(index, flight.store);
+    std::map<uint32_t, uint32_t> levels;
+    for (const double metres : {90.0, 30.0, 8.0, 60.0}) {
+        std::vector<TileDraw> draws = flight.update(city.camera(30, -metres, 8, 0, 0));
+        with_charts.note(draws, [](TileAddress, bool) {});
+        for (TileDraw& draw : draws) {
+            for (const SharedChartBinding& binding : draw.shared_charts) {
+                levels[binding.chart] = std::max(levels[binding.chart], binding.levels);
+            }
+            draw.shared_charts.clear();
+        }
+        without_charts.note(draws, [](TileAddress, bool) {});
+        uint64_t expected = 0;
+        for (const auto& [chart, most] : levels) expected += dictionary.wire_bytes(ChartPrefix{chart, most});
+        EXPECT_EQ(with_charts.bytes() - without_charts.bytes(), expected);
+    }
+    EXPECT_GT(levels.size(), 3u);
+}
+
 TEST(AddressInPath, ReadsOnlyWholeAddresses) {
     EXPECT_EQ(address_in_path("tiles/3/1/2.mesh", "tiles"), (TileAddress{3, 1, 2}));
     EXPECT_EQ(address_in_path("subtrees/0/0/0.subtree", "subtrees"), (TileAddress{0, 0, 0}));

@@ -41,7 +41,7 @@ void expect_like_rays(FacadeRenderer kind, const codec::facade::RunGrid& grid, c
     const FacadeScene scene = facade_scene(*renderer, kind, grid, std::span(&wall, 1));
     for (const auto& [view, camera] : views) {
         const FrameImage gpu = draw_or_fail(*renderer, camera, std::span(&scene.tile, 1));
-        expect_almost_equal(gpu, cast_facade_picture(scene, camera, facade_samples_of(kind, kTestedSamples)),
+        expect_almost_equal(gpu, cast_facade_picture(scene, camera, kTestedSamples),
                             name + "_" + view + "_" + std::string(facade_renderer_name(kind)));
     }
     EXPECT_EQ(renderer->validation_messages(), 0u);
@@ -133,7 +133,7 @@ TEST_P(FacadeImage, ReliefAndMeshHideEachOther) {
     const FrameImage gpu = draw_or_fail(*renderer, camera, tiles);
     const FacadePainter painter(scene, camera);
     const FrameImage cpu = picture(camera, [&](double x, double y) {
-        const SeenPoint relief = painter.look_at_pixel(x, y, facade_samples_of(GetParam(), kTestedSamples));
+        const SeenPoint relief = painter.look_at_pixel(x, y, kTestedSamples);
         // The slab's plane: y = kNear + (kFar - kNear) * x / 6.
         const Vec3 d = ray_through(camera, x, y);
         const double slope = (kFar - kNear) / 6;
@@ -261,8 +261,7 @@ TEST(FacadePass, ReliefMappingComesNear) {
         const Camera camera = make_camera({3, -5, 2}, 0, 0);
         const FrameImage gpu = draw_or_fail(*renderer, camera, std::span(&scene.tile, 1));
         keep(gpu, "relief_" + std::string(facade_renderer_name(kind)));
-        EXPECT_GT(psnr(gpu, cast_facade_picture(scene, camera, facade_samples_of(kind, kTestedSamples))), 22.0)
-            << facade_renderer_name(kind);
+        EXPECT_GT(psnr(gpu, cast_facade_picture(scene, camera, kTestedSamples)), 22.0) << facade_renderer_name(kind);
         EXPECT_EQ(renderer->validation_messages(), 0u);
     }
 }

@@ -110,6 +110,64 @@ TEST(VulkanRenderer, WordsAppendedAfterAFrameRefineTheNextOne) {
     EXPECT_EQ(fine.rgba, draw_or_fail(*renderer, camera, std::span(&whole, 1)).rgba);
 }
 
+// A street whose cubes show chart 1 of an atlas of two.
+std::vector<TileDraw> street_of_second_charts(LayerStore& store, const std::vector<codec::atlas::ChartImage>& local,
+                                              const std::vector<codec::atlas::SharedChartUse>& shared) {
+    std::vector<TileDraw> tiles;
+    const LayerSteps atlas = codec::atlas::encode_atlas(local, {}, shared);
+    for (int i = 0; i < 4; ++i) {
+        codec::mesh::MeshTile mesh = cube_tile({1, 1, 0}, {9 + i, 12, 5 + 3 * i}, 3);
+        for (uint32_t& chart : mesh.triangle_chart) chart = 1;
+        tiles.push_back(upload_tile(store, mesh, {}, {i % 2 * 16.0, i / 2 * 16.0, 2.5}));
+        tiles.back().atlas = upload(store, joined(atlas));
+        tiles.back().chart_count = 2;
+    }
+    return tiles;
+}
+
+TEST(VulkanRenderer, ASharedChartDrawsLikeAChartOfTheTilesOwn) {
+    const auto renderer = make_renderer();
+    ASSERT_NE(renderer, nullptr);
+    const codec::atlas::ChartImage other = test_chart(8, 8), chart = test_chart(256, 128);
+    const LayerSteps levels = codec::atlas::encode_atlas(std::span(&chart, 1));
+    ASSERT_GE(levels.size(), 3u);
+    const std::vector<TileDraw> own = street_of_second_charts(*renderer, {other, chart}, {});
+    std::vector<TileDraw> sharing = street_of_second_charts(*renderer, {other}, {{1, 7, 0.5f}});
+    const Camera camera = make_camera({3, -2, 5}, 10, -10);
+    // One layer for all tiles, and in slots apart: with a gap between its steps.
+    const LayerId layer = upload(*renderer, levels[0].words);
+    upload(*renderer, std::vector<uint32_t>(1));
+    for (size_t level = 1; level < levels.size(); ++level) {
+        ASSERT_TRUE(renderer->append(layer, levels[level].words).ok());
+    }
+    std::vector<FrameImage> frames;
+    for (uint32_t finest = 0; finest < levels.size(); ++finest) {
+        for (TileDraw& tile : sharing) tile.shared_charts = {{1, 7, layer, finest, 1, 0xff00ff}};
+        frames.push_back(draw_or_fail(*renderer, camera, sharing));
+    }
+    keep(frames[0], "shared_chart");
+    EXPECT_EQ(frames[0].rgba, draw_or_fail(*renderer, camera, own).rgba);
+    EXPECT_NE(frames[0].rgba, frames.back().rgba) << "a finer mip than the tile may show is not shown";
+    EXPECT_EQ(renderer->validation_messages(), 0u);
+}
+
+TEST(VulkanRenderer, ASharedChartThatIsNotThereShowsItsColour) {
+    const auto renderer = make_renderer();
+    ASSERT_NE(renderer, nullptr);
+    codec::atlas::ChartImage flat = test_chart(1, 1);
+    flat.rgb = {132, 65, 33};  // exact in 5, 6 and 5 bits
+    const std::vector<TileDraw> own = street_of_second_charts(*renderer, {test_chart(8, 8), flat}, {});
+    std::vector<TileDraw> sharing = street_of_second_charts(*renderer, {test_chart(8, 8)}, {{1, 7, 0.5f}});
+    for (TileDraw& tile : sharing) tile.shared_charts = {{1, 7, kNoLayer, 0, 0, 132u | 65u << 8 | 33u << 16}};
+    const Camera camera = make_camera({12, -20, 9}, 8, -10);
+    const FrameImage a = draw_or_fail(*renderer, camera, own), b = draw_or_fail(*renderer, camera, sharing);
+    keep(b, "shared_chart_colour");
+    EXPECT_EQ(a.rgba, b.rgba);
+    for (TileDraw& tile : sharing) tile.shared_charts[0].chart_in_tile = 2;
+    EXPECT_FALSE(renderer->draw(camera, sharing, nullptr).ok()) << "a chart that the tile does not have";
+    EXPECT_EQ(renderer->validation_messages(), 0u);
+}
+
 TEST(VulkanRenderer, SupersamplingIsTheMeanOfAFrameOfTwiceTheSize) {
     RendererOptions options = small_options();
     options.supersample = 2;

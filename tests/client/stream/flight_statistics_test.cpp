@@ -48,6 +48,26 @@ TEST(FlightStatistics, ReliefAndTheDictionaryAreCountedByFrameAndInAll) {
     EXPECT_GT(all["maps_most"][0], 0);
 }
 
+TEST(FlightStatistics, TheChartDictionaryIsCountedByFrameAndInAll) {
+    test::SyntheticOptions options;
+    options.shared_charts = 20;
+    const test::SyntheticCity city(options);
+    const Json json = flown(city, 12, true);
+    const Json& all = json["summary"]["charts"];
+    EXPECT_EQ(all["index_bytes"], city.entries.at(tiles::tileset::kChartIndexPath).size());
+    uint64_t level_bytes = 0, most = 0;
+    for (const Json& frame : json["frames"]) {
+        level_bytes += frame["charts"]["level_bytes"].get<uint64_t>();
+        most = std::max(most, frame["charts"]["shared"].get<uint64_t>());
+    }
+    EXPECT_GT(level_bytes, 0u);
+    EXPECT_EQ(all["level_bytes"], level_bytes);
+    EXPECT_EQ(all["dictionary_bytes"], level_bytes + all["index_bytes"].get<uint64_t>());
+    EXPECT_EQ(all["shared_most"], most);
+    EXPECT_GT(most, 3u);
+    EXPECT_EQ(flown(test::SyntheticCity(), 3, false)["summary"]["charts"]["dictionary_bytes"], 0);
+}
+
 TEST(FlightStatistics, WithoutReliefTheDictionaryCostsNothing) {
     test::SyntheticOptions plain;
     plain.facades = false;

@@ -8,12 +8,15 @@
 #include <vector>
 
 #include "client/select/camera.h"
+#include "client/select/chart_dictionary.h"
 #include "client/select/facade_dictionary.h"
 #include "codec/atlas/atlas_layer.h"
+#include "codec/atlas/shared_chart.h"
 #include "codec/bits/zstd_frame.h"
 #include "codec/facade/facade_layer.h"
 #include "codec/facade/facade_wire.h"
 #include "codec/mesh/mesh_layer.h"
+#include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/directory.h"
 #include "tiles/tileset/facade_index.h"
 #include "tiles/tileset/subtree.h"
@@ -35,6 +38,7 @@ struct SyntheticOptions {
     bool facades = true;
     uint32_t map_width = 40;          ///< texels of the narrowest map
     bool subtree_bytes_known = true;  ///< false: a manifest that does not say how large subtrees get
+    uint32_t shared_charts = 0;       ///< in the dictionary: every tile shows three of them beside one of its own
     bool rough_maps = false;          ///< payloads of a kilobyte and more instead of some tens of bytes
 };
 
@@ -50,6 +54,7 @@ class SyntheticCity {
         manifest.root_geometric_error = 100;
         manifest.has_layer = {true, options.facades, true, false};
         if (options.facades) write_maps();
+        if (options.shared_charts > 0) write_charts();
         write_subtrees({});
         manifest.tiles = tiles.size();
         for (const auto& [path, bytes] : entries) {
@@ -77,6 +82,9 @@ class SyntheticCity {
     std::map<TileAddress, std::vector<uint32_t>> maps_of_tile;
     std::map<TileAddress, std::vector<codec::facade::Placement>> placements_of_tile;
     std::map<MapPiece, std::vector<uint32_t>> words_of_piece;
+    std::vector<tiles::tileset::ChartRecord> charts;
+    std::vector<LayerSteps> steps_of_chart;
+    std::map<TileAddress, std::vector<codec::atlas::SharedChartUse>> charts_of_tile;
 
   private:
     void put(const std::string& path, std::span<const std::byte> bytes) {
@@ -166,19 +174,54 @@ class SyntheticCity {
         write_layer(record, Layer::kMesh, codec::mesh::encode_mesh(mesh, record.geometric_error));
     }
 
-    void write_atlas(TileRecord& record, double side_metres) {
-        std::vector<codec::atlas::ChartImage> charts(2);
-        for (uint32_t c = 0; c < 2; ++c) {
-            codec::atlas::ChartImage& chart = charts[c];
-            chart.width = chart.height = options_.chart_size;
-            chart.metres_per_texel = static_cast<float>(side_metres / 8 / options_.chart_size);
-            uint32_t state = record.address.x * 1000 + record.address.y + c;
-            for (uint32_t i = 0; i < 3 * chart.width * chart.height; ++i) {
-                state = state * 1664525u + 1013904223u;
-                chart.rgb.push_back(static_cast<uint8_t>(state >> 24));
-            }
+    static codec::atlas::ChartImage noise(uint32_t side, double metres_per_texel, uint32_t state) {
+        codec::atlas::ChartImage chart;
+        chart.width = chart.height = side;
+        chart.metres_per_texel = static_cast<float>(metres_per_texel);
+        for (uint32_t i = 0; i < 3 * chart.width * chart.height; ++i) {
+            state = state * 1664525u + 1013904223u;
+            chart.rgb.push_back(static_cast<uint8_t>(state >> 24));
         }
-        write_layer(record, Layer::kAtlas, codec::atlas::encode_atlas(charts));
+        return chart;
+    }
+
+    /// Chart i has 1 + i % 3 levels.
+    void write_charts() {
+        std::map<ChartPiece, std::vector<std::byte>> payloads;
+        for (uint32_t i = 0; i < options_.shared_charts; ++i) {
+            const uint32_t side = 64u << i % 3;
+            steps_of_chart.push_back(codec::atlas::encode_atlas(std::vector{noise(side, 0, 77 * i)}));
+            auto levels = codec::atlas::encode_chart_levels(steps_of_chart.back(), 3);
+            tiles::tileset::ChartRecord record;
+            record.width = record.height = static_cast<uint16_t>(side);
+            record.colour = {static_cast<uint8_t>(i), 20, 30};
+            record.level_count = static_cast<uint32_t>(levels.size());
+            for (uint32_t level = 0; level < levels.size(); ++level) {
+                record.level[level].bytes = static_cast<uint32_t>(levels[level].size());
+                payloads[chart_piece(i, level)] = std::move(levels[level]);
+            }
+            charts.push_back(record);
+        }
+        put(tiles::tileset::kChartIndexPath, write_chart_index(charts, manifest));
+        std::vector<std::byte> entry;
+        for (const auto& [piece, payload] : payloads) entry.insert(entry.end(), payload.begin(), payload.end());
+        put(tiles::tileset::kChartLevelsPath, entry);
+    }
+
+    void write_atlas(TileRecord& record, double side_metres) {
+        const double texel = side_metres / 8 / options_.chart_size;
+        std::vector<codec::atlas::ChartImage> local;
+        for (uint32_t c = 0; c < (options_.shared_charts > 0 ? 1u : 2u); ++c) {
+            local.push_back(noise(options_.chart_size, texel, record.address.x * 1000 + record.address.y + c));
+        }
+        auto& shared = charts_of_tile[record.address];
+        for (uint32_t i = 0; options_.shared_charts > 0 && i < 3; ++i) {
+            const uint32_t number =
+                (record.address.x * 7 + record.address.y * 13 + record.address.level + i) % options_.shared_charts;
+            // A sum of few powers of two, which the chart table holds as it is.
+            shared.push_back({1 + i, number, static_cast<float>(side_metres / 8192 * (1 + i))});
+        }
+        write_layer(record, Layer::kAtlas, codec::atlas::encode_atlas(local, {}, shared));
     }
 
     void write_facades(TileRecord& record, int32_t side) {

@@ -239,5 +239,109 @@ TEST(AtlasLayer, SameChartsGiveTheSameWords) {
     for (size_t s = 0; s < a.size(); ++s) EXPECT_EQ(a[s].words, b[s].words);
 }
 
+/// A shared chart, a black texel of the tile's own, another shared chart.
+LayerSteps golden_shared() {
+    const std::vector<ChartImage> own = {{1, 1, true, true, 2, {0, 0, 0}}};
+    const std::vector<SharedChartUse> shared = {{0, 7, 0.05F}, {2, 300, 1.5F}};
+    return encode_atlas(own, {}, shared);
+}
+
+TEST(AtlasLayer, SharedChartsAreNamedInTheirPlacesAndHaveNoBlocks) {
+    const LayerSteps steps = golden_shared();
+    ASSERT_EQ(steps.size(), 1u);
+    EXPECT_FLOAT_EQ(steps[0].error, 2.0f) << "of the tile's own";
+    EXPECT_EQ(steps[0].words,
+              (std::vector<uint32_t>{
+                  0x31415343u, 3,           1,           0,       8,   0,           0, 0,  // header
+                  30,          0,           0,           0,       0,   0,           0, 0,  // mip table
+                  0,           0,           0,           0,       0,   0,           0, 0,  //
+                  7,           0x3d4d0004u, 0x00010001u, 0x0103u, 300, 0x3fc00004u,        // charts
+                  0,           3,           0,           0,       0}));  // mip 0: a black block for chart 1
+    const Prefix prefix = prefix_of(steps, 1);
+    const auto view = AtlasLayerView::create(prefix.words, prefix.step_words, 301);
+    ASSERT_TRUE(view.ok()) << view.error().text();
+    EXPECT_EQ(view->chart_count(), 3u);
+    EXPECT_TRUE(view->is_shared(0));
+    EXPECT_FALSE(view->is_shared(1));
+    const float rounded = 0.05004882812F;
+    EXPECT_EQ(view->shared_charts(), (std::vector<SharedChartUse>{{0, 7, rounded}, {2, 300, 1.5F}}));
+    EXPECT_EQ(view->mip_count(0), 0u);
+    EXPECT_EQ(view->mip_count(1), 1u);
+    uint8_t rgb[3] = {1, 1, 1};
+    view->texel(1, 0, 0, 0, rgb);
+    EXPECT_EQ(rgb[0], 0);
+}
+
+TEST(AtlasLayer, NumbersBeyondTheDictionaryAreRefused) {
+    const Prefix prefix = prefix_of(golden_shared(), 1);
+    EXPECT_FALSE(AtlasLayerView::create(prefix.words, prefix.step_words, 300).ok());
+    EXPECT_FALSE(AtlasLayerView::create(prefix.words, prefix.step_words).ok());
+    const auto refused = [&](uint32_t word, uint32_t value) {
+        Prefix damaged = prefix;
+        damaged.words[word] = value;
+        return !AtlasLayerView::create(damaged.words, damaged.step_words, 301).ok();
+    };
+    EXPECT_FALSE(refused(25, 0x00000004u)) << "a texel without extent";
+    EXPECT_TRUE(refused(25, 0x3d4d0005u)) << "repeats: the dictionary says that";
+    EXPECT_TRUE(refused(25, 0x3d4d0104u)) << "has a mip";
+    EXPECT_TRUE(refused(25, 0x7f800004u)) << "infinite";
+    EXPECT_TRUE(refused(25, 0x7fc00004u)) << "not a number";
+    EXPECT_TRUE(refused(25, 0xbd4d0004u)) << "negative";
+    EXPECT_TRUE(refused(27, 0x3d4d0103u)) << "metres of a chart of the tile's own";
+    EXPECT_TRUE(refused(30, 3)) << "blocks of a shared chart";
+}
+
+TEST(AtlasLayer, SharedChartsOnlyAreOneStepWithoutError) {
+    const std::vector<SharedChartUse> shared = {{0, 0, 0.25F}, {1, 5, 4}};
+    const LayerSteps steps = encode_atlas({}, {}, shared);
+    ASSERT_EQ(steps.size(), 1u);
+    EXPECT_EQ(steps[0].error, 0.0f);
+    const Prefix prefix = prefix_of(steps, 1);
+    const auto view = AtlasLayerView::create(prefix.words, prefix.step_words, 6);
+    ASSERT_TRUE(view.ok()) << view.error().text();
+    EXPECT_EQ(view->shared_charts(), shared);
+}
+
+TEST(AtlasLayer, SharedChartsLeaveTheMipsOfOthersAsTheyAre) {
+    const std::vector<ChartImage> own = {smooth_chart(128, 64), smooth_chart(3, 9)};
+    const std::vector<SharedChartUse> shared = {{1, 2, 1}};
+    const LayerSteps alone = encode_atlas(own), mixed = encode_atlas(own, {}, shared);
+    ASSERT_EQ(alone.size(), mixed.size());
+    const Prefix a = prefix_of(alone, alone.size()), b = prefix_of(mixed, mixed.size());
+    const auto view_a = AtlasLayerView::create(a.words, a.step_words);
+    const auto view_b = AtlasLayerView::create(b.words, b.step_words, 3);
+    ASSERT_TRUE(view_b.ok()) << view_b.error().text();
+    for (uint32_t chart = 0; chart < 2; ++chart) {
+        for (uint32_t x = 0; x < own[chart].width; ++x) {
+            uint8_t rgb_a[3], rgb_b[3];
+            view_a->texel(chart, 0, x, x / 2, rgb_a);
+            view_b->texel(2 * chart, 0, x, x / 2, rgb_b);
+            ASSERT_EQ(rgb_a[0], rgb_b[0]) << chart << " at " << x;
+        }
+    }
+    for (size_t step = 0; step < alone.size(); ++step) EXPECT_EQ(alone[step].error, mixed[step].error);
+}
+
+TEST(AtlasLayer, NoDamagedWordOfATileWithSharedChartsNamesOneThatIsNotThere) {
+    const Prefix whole = prefix_of(golden_shared(), 1);
+    size_t accepted = 0;
+    for_each_mutation(whole.words, [&](std::span<const uint32_t> words) {
+        const auto view = AtlasLayerView::create(words, whole.step_words, 301);
+        if (!view.ok()) return;
+        ++accepted;
+        for (const SharedChartUse& use : view->shared_charts()) {
+            ASSERT_LT(use.chart_in_tile, view->chart_count());
+            ASSERT_LT(use.number, 301u);
+            ASSERT_GE(use.metres_per_texel, 0);
+        }
+        for (uint32_t chart = 0; chart < view->chart_count(); ++chart) {
+            uint8_t rgb[3];
+            for (uint32_t mip = view->finest_mip(); mip < view->mip_count(chart); ++mip)
+                view->texel(chart, mip, 0, 0, rgb);
+        }
+    });
+    EXPECT_GT(accepted, 0u);
+}
+
 }  // namespace
 }  // namespace citystream::codec::atlas

@@ -20,13 +20,14 @@ struct City {
     std::vector<CityObject> buildings, cells, plants;
 };
 
-City generate(uint32_t buildings, uint64_t seed) {
+City generate(uint32_t buildings, uint64_t seed, uint32_t textures = 0) {
     City city;
     CityHeader header;
     CityReport report;
     GeneratorOptions options;
     options.buildings = buildings;
     options.seed = seed;
+    options.textures = textures;
     generate_city(options, header, city.catalog, report, [&city](CityObject&& object) {
         auto& list = object.kind == ObjectKind::kBuilding  ? city.buildings
                      : object.kind == ObjectKind::kTerrain ? city.cells
@@ -152,17 +153,19 @@ TEST(GeneratedBuildings, StandOnTheGroundWithPlinthsThatReachIntoIt) {
 }
 
 TEST(GeneratedBuildings, HaveTrianglesWithAreaAndWeldedVertices) {
-    const City city = generate(250, 12);
-    for (const auto* list : {&city.buildings, &city.plants, &city.cells}) {
-        for (const CityObject& object : *list) {
-            for (const Triangle& triangle : object.triangles)
-                EXPECT_GT(length(normal_of(object, triangle)), 1e-5) << object.id;
-            std::set<std::tuple<double, double, double>> distinct;
-            for (const Vec3& at : object.vertices) distinct.insert({at.x, at.y, at.z});
-            EXPECT_EQ(distinct.size(), object.vertices.size()) << object.id;
+    for (const uint32_t textures : {0, 100}) {
+        const City city = generate(250, 12, textures);
+        for (const auto* list : {&city.buildings, &city.plants, &city.cells}) {
+            for (const CityObject& object : *list) {
+                for (const Triangle& triangle : object.triangles)
+                    EXPECT_GT(length(normal_of(object, triangle)), 1e-5) << object.id;
+                std::set<std::tuple<double, double, double>> distinct;
+                for (const Vec3& at : object.vertices) distinct.insert({at.x, at.y, at.z});
+                EXPECT_EQ(distinct.size(), object.vertices.size()) << object.id;
+            }
         }
+        for (const CityObject& plant : city.plants) EXPECT_LE(plant.triangles.size(), 16U);
     }
-    for (const CityObject& plant : city.plants) EXPECT_LE(plant.triangles.size(), 16U);
 }
 
 TEST(GeneratedBuildings, TurnTheirWallsOutwards) {
@@ -202,21 +205,23 @@ TEST(GeneratedBuildings, TurnTheirWallsOutwards) {
 TEST(GeneratedBuildings, EncloseAVolumeWithTheirFacades) {
     // Seen from below, every building is open only at its foot: outward area over all surfaces sums to the footprint,
     // straight up.
-    const City city = generate(250, 15);
-    for (const CityObject& building : city.buildings) {
-        Vec3 sum;
-        for (const Triangle& triangle : building.triangles) {
-            const Vec3 normal = normal_of(building, triangle);
-            sum = {sum.x + normal.x / 2, sum.y + normal.y / 2, sum.z + normal.z / 2};
+    for (const uint32_t textures : {0, 100}) {
+        const City city = generate(250, 15, textures);
+        for (const CityObject& building : city.buildings) {
+            Vec3 sum;
+            for (const Triangle& triangle : building.triangles) {
+                const Vec3 normal = normal_of(building, triangle);
+                sum = {sum.x + normal.x / 2, sum.y + normal.y / 2, sum.z + normal.z / 2};
+            }
+            for (const FacadeWall& wall : building.facades) {
+                sum.x += wall.along.y * wall.height;
+                sum.y -= wall.along.x * wall.height;
+            }
+            EXPECT_GT(sum.z, 0) << building.id;
+            // Chimneys and dormers sink into roofs without a floor; sideways they add nothing but the dormers' hidden
+            // backs, garages their missing wall against the house.
+            EXPECT_LT(std::hypot(sum.x, sum.y), 45) << building.id;
         }
-        for (const FacadeWall& wall : building.facades) {
-            sum.x += wall.along.y * wall.height;
-            sum.y -= wall.along.x * wall.height;
-        }
-        EXPECT_GT(sum.z, 0) << building.id;
-        // Chimneys and dormers sink into roofs without a floor; sideways they add nothing but the dormers' hidden
-        // backs, garages their missing wall against the house.
-        EXPECT_LT(std::hypot(sum.x, sum.y), 45) << building.id;
     }
 }
 

@@ -122,6 +122,10 @@ TEST(Generator, GivesTheSameStreamForTheSameSeed) {
     EXPECT_EQ(digest(generate(150, 5)), digest(generate(150, 5)));
 }
 
+TEST(Generator, StillGivesTheCityOfItsFirstVersion) {
+    EXPECT_EQ(digest(generate(150, 5)), 6341391991242704009U);
+}
+
 TEST(Generator, GivesAnotherCityForAnotherSeed) {
     EXPECT_NE(digest(generate(60, 5)), digest(generate(60, 6)));
 }

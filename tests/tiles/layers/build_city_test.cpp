@@ -538,5 +538,59 @@ TEST_F(BuildCity, TheReferenceIsABinaryGltfOfItsStatedLength) {
     }
 }
 
+TEST_F(BuildCity, SharedChartsMakeTheAtlasSmallerAndDoNotDependOnThreads) {
+    const auto make = [&](const std::string& name, bool shared, uint32_t jobs) {
+        auto summary = build(name, generated(30), [&](BuildOptions& options) {
+            options.leaf_triangles = 500;
+            options.shared_charts = shared;
+            options.jobs = jobs;
+        });
+        EXPECT_TRUE(summary.ok());
+        return std::move(summary).value();
+    };
+    const auto own = make("own.3tz", false, 2), shared = make("shared.3tz", true, 2);
+    make("again.3tz", true, 1);
+    EXPECT_EQ(bytes_of(path("shared.3tz")), bytes_of(path("again.3tz")));
+    const auto atlas_bytes = [](const BuildSummary& of) {
+        const tileset::Manifest& m = of.manifest;
+        return m.wire_bytes[static_cast<size_t>(Layer::kAtlas)] + m.chart_index_bytes + m.chart_levels_bytes;
+    };
+    EXPECT_GT(shared.manifest.tiles, 4U);
+    EXPECT_EQ(own.manifest.shared_chart_count, 0U);
+    EXPECT_GT(shared.manifest.shared_chart_count, 3U);
+    EXPECT_LT(2 * atlas_bytes(shared), atlas_bytes(own));
+    const auto damages = verify_city(path("shared.3tz"));
+    ASSERT_TRUE(damages.ok());
+    EXPECT_EQ(*damages, std::vector<std::string>());
+    const auto info = read_city_info(path("shared.3tz"));
+    ASSERT_TRUE(info.ok());
+    EXPECT_EQ((*info)["chart_dictionary"]["charts"], shared.manifest.shared_chart_count);
+    EXPECT_EQ((*info)["chart_dictionary"]["wire_bytes"], shared.manifest.chart_levels_bytes);
+    EXPECT_FALSE(read_city_info(path("own.3tz"))->contains("chart_dictionary"));
+    EXPECT_EQ(open_city(path("own.3tz")).reader->find(tileset::kChartIndexPath).data(), nullptr);
+}
+
+TEST_F(BuildCity, DamageOfASharedChartIsNamed) {
+    ASSERT_TRUE(build("city.3tz", generated(40), [](BuildOptions& options) {
+                    options.leaf_triangles = 500;
+                    options.shared_charts = true;
+                }).ok());
+    std::string bytes = bytes_of(path("city.3tz"));
+    {
+        const auto reader = archive::ArchiveReader::open(path("city.3tz")).value();
+        const auto entries = reader->entries();
+        const auto levels = std::find_if(entries.begin(), entries.end(),
+                                         [](const auto& entry) { return entry.name == tileset::kChartLevelsPath; });
+        ASSERT_NE(levels, entries.end());
+        bytes[levels->data_offset + levels->size / 2] ^= 1;
+    }
+    std::ofstream(path("city.3tz"), std::ios::binary) << bytes;
+    const auto damages = verify_city(path("city.3tz"));
+    ASSERT_TRUE(damages.ok());
+    ASSERT_EQ(damages->size(), 2U) << "the entry's CRC and the chart";
+    EXPECT_NE((*damages)[1].find("charts/levels: chart "), std::string::npos) << (*damages)[1];
+    EXPECT_NE((*damages)[1].find("checksum"), std::string::npos) << (*damages)[1];
+}
+
 }  // namespace
 }  // namespace citystream::tiles::layers

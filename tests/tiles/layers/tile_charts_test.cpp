@@ -57,10 +57,10 @@ class Charts : public testing::Test {
 TEST_F(Charts, APictureOfOneColourIsOneTexelWithoutCoordinates) {
     show(chequered(90, 90), 4);
     TileCharts& charts = settle();
-    ASSERT_EQ(charts.charts().size(), 1U);
-    EXPECT_EQ(charts.charts()[0].width, 1U);
-    EXPECT_EQ(charts.charts()[0].height, 1U);
-    EXPECT_EQ(charts.charts()[0].rgb, (std::vector<uint8_t>{90, 90, 90}));
+    ASSERT_EQ(charts.own_charts().size(), 1U);
+    EXPECT_EQ(charts.own_charts()[0].width, 1U);
+    EXPECT_EQ(charts.own_charts()[0].height, 1U);
+    EXPECT_EQ(charts.own_charts()[0].rgb, (std::vector<uint8_t>{90, 90, 90}));
     EXPECT_EQ(use(0).scale, (std::array<double, 2>{0, 0}));
     EXPECT_EQ(charts.flat({90, 90, 90}), 0U) << "the same chart as that of the flat colour";
 }
@@ -70,18 +70,93 @@ TEST_F(Charts, EqualPicturesOfTwoFilesAreOneChart) {
     show(chequered(20, 200), 8);
     show(chequered(20, 201), 4);
     const TileCharts& charts = settle();
-    ASSERT_EQ(charts.charts().size(), 2U);
+    ASSERT_EQ(charts.own_charts().size(), 2U);
     EXPECT_EQ(use(0).chart, use(1).chart);
     EXPECT_NE(use(0).chart, use(2).chart);
     EXPECT_EQ(use(1).scale, (std::array<double, 2>{1, 1}));
     const double coarser = 8 / (2.0 * kSide) * std::sqrt(2.0);  // shown twice in u: the mean of both axes
-    EXPECT_NEAR(charts.charts()[use(0).chart].metres_per_texel, coarser, 1e-4) << "the error of the coarser use";
+    EXPECT_NEAR(charts.own_charts()[use(0).chart].metres_per_texel, coarser, 1e-4) << "the error of the coarser use";
 }
 
 TEST_F(Charts, EqualPicturesThatWrapDifferentlyStayApart) {
     show(chequered(20, 200), 4, true);
     show(chequered(20, 200), 4, false);
-    EXPECT_EQ(settle().charts().size(), 2U);
+    EXPECT_EQ(settle().own_charts().size(), 2U);
+}
+
+/// A shelf with one chart of every image.
+class OneOfEach final : public ChartShelf {
+  public:
+    std::optional<SharedChart> take(const ChartKey& key, double coarseness, uint64_t texels) override {
+        asked_.push_back({key, {0, 1, coarseness, texels}});
+        if (!key.is_image()) return std::nullopt;
+        return SharedChart{100 + key.name[0], 1, 0};
+    }
+    const std::vector<CityWishes::Candidate>& asked() const { return asked_; }
+
+  private:
+    std::vector<CityWishes::Candidate> asked_;
+};
+
+class ShelvedCharts : public Charts {
+  protected:
+    TileCharts settle_with(ChartShelf& shelf) {
+        TileCharts charts(catalog_, images_, facades_, 0.01, 0.1, &shelf);
+        for (uint32_t i = 0; i < objects_.size(); ++i) charts.note(i, objects_[i]);
+        charts.settle();
+        return charts;
+    }
+};
+
+TEST_F(ShelvedCharts, WhatTheShelfHasIsNamedAndNotMade) {
+    show(chequered(20, 200), 4);
+    objects_[0].paints.push_back(Paint::flat({1, 2, 3}));
+    objects_[0].triangles.push_back(objects_[0].triangles[0]);
+    objects_[0].triangles.back().paint = 1;
+    OneOfEach shelf;
+    const TileCharts charts = settle_with(shelf);
+    ASSERT_EQ(charts.own_charts().size(), 1U) << "the flat colour";
+    ASSERT_EQ(charts.shared_charts().size(), 1U);
+    const auto& shared = charts.shared_charts()[0];
+    EXPECT_EQ(shared.number, 100U);
+    const double finest = 4 / (2.0 * kSide) * std::sqrt(2.0);
+    EXPECT_NEAR(shared.metres_per_texel, 2 * finest, 1e-4) << "the dictionary has the image halved once";
+    EXPECT_NEAR(charts.blur(), 2 * finest, 1e-4);
+    const ChartUse use = charts.use(0, objects_[0].paints[0]);
+    EXPECT_EQ(use.chart, shared.chart_in_tile);
+    EXPECT_EQ(use.scale, (std::array<double, 2>{1, 1})) << "coordinates of the whole image";
+    ASSERT_EQ(shelf.asked().size(), 1U);
+    EXPECT_EQ(shelf.asked()[0].key.kind, ChartKey::Kind::kRepeatedImage);
+    EXPECT_EQ(shelf.asked()[0].demand.coarseness, 0) << "texels of 0.18 m are not halved for 0.01 m";
+    EXPECT_EQ(shelf.asked()[0].demand.texels, uint64_t{kSide} * kSide);
+}
+
+TEST_F(ShelvedCharts, PartsOfAnImageCountAsWhatWouldBeCutOut) {
+    show(chequered(20, 200), 4, false);
+    for (auto& triangle : objects_[0].triangles) {
+        for (auto& corner : triangle.texcoord) corner[0] = corner[0] / 8;
+    }
+    OneOfEach shelf;
+    const TileCharts charts = settle_with(shelf);
+    ASSERT_EQ(shelf.asked().size(), 1U);
+    EXPECT_EQ(shelf.asked()[0].key.kind, ChartKey::Kind::kImage);
+    EXPECT_EQ(shelf.asked()[0].demand.texels, 5U * kSide) << "a quarter of the width and a texel beside it";
+    EXPECT_EQ(charts.use(0, objects_[0].paints[0]).scale, (std::array<double, 2>{1, 1}));
+}
+
+TEST_F(ShelvedCharts, TwoUsesOfOneSharedChartAreOneEntryWithTheCoarserTexel) {
+    show(chequered(20, 200), 4);
+    show(chequered(20, 200), 8);
+    for (auto& material : catalog_.materials) material.image = 0;
+    objects_[1].paints[0].a = objects_[0].paints[0].a;
+    catalog_.materials.push_back(catalog_.materials[0]);
+    catalog_.materials.back().rgb = {9, 9, 9};
+    objects_[1].paints[0].a = static_cast<uint32_t>(catalog_.materials.size() - 1);
+    OneOfEach shelf;
+    const TileCharts charts = settle_with(shelf);
+    ASSERT_EQ(charts.shared_charts().size(), 1U);
+    EXPECT_NEAR(charts.shared_charts()[0].metres_per_texel, 2 * 8 / (2.0 * kSide) * std::sqrt(2.0), 1e-4);
+    EXPECT_EQ(charts.use(0, objects_[0].paints[0]).chart, charts.use(1, objects_[1].paints[0]).chart);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tests/tiles/tileset/synthetic_city.h"
+#include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/subtree_order.h"
 #include "tiles/tileset/tile_schema.h"
 
@@ -37,6 +38,44 @@ SyntheticCity small_city() {
     return make_synthetic_city(7, 3, 2);
 }
 
+void add_chart_dictionary(Manifest& manifest, uint32_t seed) {
+    manifest.shared_chart_count = 1 + seed;
+    manifest.chart_index_bytes = 100 + seed;
+    manifest.chart_index_decoded_bytes = 1000;
+    manifest.chart_index_checksum = 0xfedcba9876543210 - seed;
+    manifest.chart_levels_bytes = 12345;
+}
+
+TEST(TilesetJson, TheChartDictionaryIsThereOnlyWhereChartsAreShared) {
+    Manifest manifest = small_city().manifest;
+    EXPECT_EQ(write_tileset_json(manifest).find("chartDictionary"), std::string::npos);
+    add_chart_dictionary(manifest, 4);
+    const std::string json = write_tileset_json(manifest);
+    const std::vector<std::array<std::string, 3>> kCases = {
+        {"\"count\": 5", "\"count\": 0", "chartDictionary.count"},
+        {"\"count\": 5", "\"count\": 99999999", "chartDictionary.count"},
+        {"\"levelsUri\": \"charts/levels\"", "\"levelsUri\": \"../levels\"", "levelsUri"},
+        {"\"indexUri\": \"charts/index\"", "\"indexUri\": \"charts\"", "chartDictionary.indexUri"},
+        {"\"levelsBytes\": 12345", "\"levelsBytes\": 4294967296", "levelsBytes"},
+        {"\"levelsBytes\"", "\"otherBytes\"", "levelsBytes"},
+    };
+    for (const auto& [from, to, named] : kCases) {
+        const auto parsed = parse_tileset_json(bytes_of(replaced(json, from, to)));
+        ASSERT_FALSE(parsed.ok()) << from << " -> " << to;
+        EXPECT_NE(parsed.error().message.find(named), std::string::npos) << parsed.error().message;
+    }
+}
+
+TEST(TilesetJson, OlderVersionsAreRead) {
+    const Manifest manifest = small_city().manifest;
+    for (const char* version : {"2", "3", "4"}) {
+        const auto parsed = parse_tileset_json(bytes_of(
+            replaced(write_tileset_json(manifest), "\"version\": 4,", std::string("\"version\": ") + version + ",")));
+        ASSERT_TRUE(parsed.ok()) << version << ": " << parsed.error().text();
+        EXPECT_EQ(*parsed, manifest) << version;
+    }
+}
+
 TEST(TilesetJson, ManifestsComeBackExactly) {
     for (uint32_t seed = 0; seed < 20; ++seed) {
         Manifest manifest = make_synthetic_city(seed, 1 + seed % 5, 1 + seed % 4).manifest;
@@ -46,6 +85,7 @@ TEST(TilesetJson, ManifestsComeBackExactly) {
         manifest.facade_index_checksum = 0x0123456789abcdef * (seed + 1);
         manifest.has_layer[3] = seed % 2 == 1;
         if (seed % 3 == 0) manifest.greatest_subtree_bytes = 0;
+        if (seed % 2 == 0) add_chart_dictionary(manifest, seed);
         const auto parsed = parse_tileset_json(bytes_of(write_tileset_json(manifest)));
         ASSERT_TRUE(parsed.ok()) << parsed.error().text();
         EXPECT_EQ(*parsed, manifest);
@@ -96,8 +136,8 @@ TEST(TilesetJson, WrongFieldsAreNamed) {
         {"0.125", "2000.0", "extent.min"},
         {"\"epsg\": 25832", "\"epsg\": -1", "epsg"},
         {"CITYSTREAM_layers\": {", "OTHER_layers\": {", "CITYSTREAM_layers"},
-        {"\"version\": 3,", "\"version\": 1,", "CITYSTREAM_layers.version"},
-        {"\"version\": 3,", "\"version\": 4,", "CITYSTREAM_layers.version"},
+        {"\"version\": 4,", "\"version\": 1,", "CITYSTREAM_layers.version"},
+        {"\"version\": 4,", "\"version\": 5,", "CITYSTREAM_layers.version"},
         {"\"indexChecksum\": \"", "\"indexChecksum\": \"x", "indexChecksum"},
         {"tiles/{level}/{x}/{y}.atlas", "../{level}/{x}/{y}.atlas", "atlas.uri"},
         {"\"mapsUri\": \"facades/maps\"", "\"mapsUri\": \"http://a/b\"", "mapsUri"},
@@ -414,6 +454,131 @@ TEST(FacadeIndex, TakesAtMostTenBytesALevelOfUnlikeMaps) {
     const Bytes frame = write_facade_index(maps, manifest);
     EXPECT_LE(static_cast<double>(frame.size()) / static_cast<double>(levels), 10);
     EXPECT_EQ(parse_facade_index(frame, manifest).value(), maps);
+}
+
+ChartRecord chart_of(uint16_t width, uint16_t height, uint8_t flags, const std::vector<uint32_t>& sizes) {
+    ChartRecord chart;
+    chart.width = width;
+    chart.height = height;
+    chart.flags = flags;
+    chart.colour = {1, 2, static_cast<uint8_t>(width)};
+    chart.level_count = static_cast<uint32_t>(sizes.size());
+    for (size_t i = 0; i < sizes.size(); ++i) chart.level[i].bytes = sizes[i];
+    return chart;
+}
+
+/// As FORMAT.md has them.
+std::vector<ChartRecord> three_charts() {
+    return {chart_of(200, 200, 3, {500, 900, 3000}), chart_of(16, 4, 0, {60}), chart_of(130, 70, 1, {700, 2000})};
+}
+
+TEST(ChartIndex, ItsColumnsAreThoseOfTheFormatsExample) {
+    std::vector<ChartRecord> charts = three_charts();
+    Manifest manifest;
+    const Bytes frame = write_chart_index(charts, manifest);
+    EXPECT_EQ(manifest.shared_chart_count, 3U);
+    EXPECT_EQ(manifest.chart_levels_bytes, 7160U);
+    const auto raw = codec::bits::decompress_frame(frame, manifest.chart_index_decoded_bytes);
+    ASSERT_TRUE(raw.ok());
+    const std::vector<int> expected = {
+        0xc8, 0x10, 0x82, 0,    0,    0,                                 // widths
+        0xc8, 0x04, 0x46, 0,    0,    0,                                 // heights
+        3,    0,    1,                                                   // flags
+        1,    1,    1,    2,    2,    2,    0xc8, 0x10, 0x82,            // colours
+        0xf4, 0x84, 0xb8, 0x3c, 0xbc, 0xd0, 1,    3,    0x0b, 0, 2, 7,   // sizes: low bytes
+        0,    0,    0,    0,    0,    0,    0,    0,    0,    0, 0, 0};  // high ones
+    ASSERT_EQ(raw->size(), expected.size());
+    for (size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(static_cast<int>((*raw)[i]), expected[i]) << i;
+    const auto back = parse_chart_index(frame, manifest);
+    ASSERT_TRUE(back.ok()) << back.error().text();
+    EXPECT_EQ(*back, charts);
+}
+
+TEST(ChartIndex, LevelsOfABlockLieSideBySideCoarsestFirst) {
+    std::vector<ChartRecord> charts = three_charts();
+    EXPECT_EQ(place_chart_levels(charts), 7160U);
+    EXPECT_EQ(charts[0].level[0].begin, 0U);
+    EXPECT_EQ(charts[1].level[0].begin, 500U);
+    EXPECT_EQ(charts[2].level[0].begin, 560U);
+    EXPECT_EQ(charts[0].level[1].begin, 1260U) << "level 1 after all levels 0";
+    EXPECT_EQ(charts[2].level[1].begin, 2160U);
+    EXPECT_EQ(charts[0].level[2].begin, 4160U);
+    EXPECT_EQ(charts[0].level[2].end(), 7160U);
+    std::vector<ChartRecord> many(kChartsPerBlock + 1, charts[2]);
+    place_chart_levels(many);
+    EXPECT_EQ(many[kChartsPerBlock].level[0].begin, many[kChartsPerBlock - 1].level[1].end())
+        << "the next block after the whole one before";
+    EXPECT_EQ(many[kChartsPerBlock - 1].level[0].end(), many[0].level[1].begin);
+}
+
+TEST(ChartIndex, EveryDamageOfItsFrameIsFound) {
+    std::vector<ChartRecord> charts = three_charts();
+    Manifest manifest;
+    Bytes frame = write_chart_index(charts, manifest);
+    for (size_t i = 0; i < frame.size(); ++i) {
+        frame[i] ^= std::byte{1};
+        EXPECT_FALSE(parse_chart_index(frame, manifest).ok()) << i;
+        frame[i] ^= std::byte{1};
+        EXPECT_FALSE(parse_chart_index(std::span(frame).first(i), manifest).ok()) << i;
+    }
+    for (const uint64_t count : {uint64_t{0}, uint64_t{2}, uint64_t{4}, uint64_t{1} << 40}) {
+        Manifest other = manifest;
+        other.shared_chart_count = count;
+        EXPECT_FALSE(parse_chart_index(frame, other).ok()) << count;
+    }
+    Manifest other = manifest;
+    ++other.chart_levels_bytes;
+    EXPECT_FALSE(parse_chart_index(frame, other).ok()) << "levels of another length";
+}
+
+TEST(ChartIndex, EveryRecordThatBreaksARuleIsRefusedByName) {
+    using Charts = std::vector<ChartRecord>;
+    const auto refused = [](auto change) {
+        Charts charts = three_charts();
+        change(charts);
+        Manifest manifest;
+        const auto back = parse_chart_index(write_chart_index(charts, manifest), manifest);
+        return back.ok() ? std::string() : back.error().text();
+    };
+    EXPECT_EQ(refused([](Charts&) {}), "");
+    EXPECT_NE(refused([](Charts& c) { c[0].width = 0; }), "");
+    EXPECT_NE(refused([](Charts& c) { c[0].height = 8193; }), "");
+    EXPECT_NE(refused([](Charts& c) { c[2].flags = 4; }), "");
+    EXPECT_NE(refused([](Charts& c) { c[1].level[0].bytes = 4; }), "") << "a checksum and nothing else";
+    EXPECT_NE(refused([](Charts& c) { c[1].width = 5120; }), "") << "needs more levels";
+    EXPECT_NE(refused([](Charts& c) { c[0].level_count = 2; }), "");
+    EXPECT_NE(refused([](Charts& c) { c[0].level[0].bytes = c[0].level[1].bytes = 0x80000000U; }), "")
+        << "beyond 4 GiB";
+    const std::string named = refused([](Charts& c) { c[2].flags = 4; });
+    EXPECT_NE(named.find("chart 2"), std::string::npos) << named;
+}
+
+TEST(ChartIndex, AnyColumnsAreRefusedOrGiveRecordsThatKeepTheRules) {
+    std::vector<ChartRecord> charts = three_charts();
+    Manifest manifest;
+    const Bytes frame = write_chart_index(charts, manifest);
+    Bytes raw = codec::bits::decompress_frame(frame, manifest.chart_index_decoded_bytes).value();
+    for (std::byte& byte : raw) {
+        for (const int value : {0, 1, 2, 5, 0x1f, 0x7f, 0x80, 0xff}) {
+            const std::byte kept = std::exchange(byte, static_cast<std::byte>(value));
+            const Bytes changed = codec::bits::compress_frame(raw, 1);
+            manifest.chart_index_bytes = changed.size();
+            manifest.chart_index_checksum = checksum_of(changed.data(), changed.size());
+            const auto back = parse_chart_index(changed, manifest);
+            if (back.ok()) {
+                EXPECT_TRUE(check_charts(*back).ok());
+            }
+            byte = kept;
+        }
+    }
+}
+
+TEST(ChartIndex, ChecksumsOfLevelsAreTheLowHalfOfTheDirectorys) {
+    const std::vector<codec::atlas::ChartImage> image = {{2, 1, false, false, 1, {1, 2, 3, 4, 5, 6}}};
+    const Bytes payload = codec::atlas::encode_chart_levels(codec::atlas::encode_atlas(image))[0];
+    uint32_t checksum = 0;
+    std::memcpy(&checksum, payload.data(), 4);
+    EXPECT_EQ(checksum, static_cast<uint32_t>(checksum_of(payload.data() + 4, payload.size() - 4)));
 }
 
 TEST(Directory, PathsAndOriginsFollowTheAddress) {

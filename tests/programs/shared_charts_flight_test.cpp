@@ -1,0 +1,146 @@
+// Flights of the real programs over a city whose pictures are shared by its tiles, and over the same city without: the
+// same bounds, fewer bytes; and what is not shared costs nothing.
+
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "client/render/frame_file.h"
+#include "client/report/image_metrics.h"
+#include "tests/programs/program_runner.h"
+#include "tiles/city/generator_layout.h"
+
+namespace citystream::tests {
+namespace {
+
+using Json = nlohmann::json;
+using tiles::city::procedural::Axis;
+using tiles::city::procedural::CityPlan;
+using tiles::city::procedural::kMetre;
+
+constexpr const char *kLarge = "1280x720", *kSmall = "480x270";
+
+/// From the sky to the middle of a main street.
+std::string path_to_street() {
+    const CityPlan plan(7, 300);
+    const auto x = plan.line(Axis::kX, 0).axis;
+    std::string path = "t,x,y,z,yaw,pitch,fov\n";
+    int t = 0;
+    for (const auto& [along, height, pitch] :
+         {std::array{-260.0, 170.0, -25.0}, {-80.0, 28.0, -12.0}, {-40.0, 1.7, 2.0}}) {
+        const double ground = static_cast<double>(plan.ground(x, static_cast<int64_t>(along * kMetre))) / kMetre;
+        path +=
+            fmt::format("{},{},{},{},10,{},60\n", t++, static_cast<double>(x) / kMetre, along, ground + height, pitch);
+    }
+    return path;
+}
+
+/// The 300-building city with pictures shared ("on", with its reference beside it) or not ("off").
+const std::string& city(bool shared) {
+    static const TemporaryFolder folder;
+    static const auto build = [](const std::string& way) {
+        std::string archive = folder / (way + ".3tz");
+        std::vector<std::string> command = {
+            program("citystream-build"), "generate", "--buildings", "300",  "--seed", "7",
+            "--shared-charts",           way,        "-o",          archive};
+        if (way == "on") command.insert(command.end(), {"--reference", folder / "on.glb"});
+        const Outcome built = run(command);
+        EXPECT_EQ(built.exit_code, 0) << built.error;
+        return archive;
+    };
+    static const std::string cities[2] = {build("off"), build("on")};
+    return cities[shared ? 1 : 0];
+}
+
+struct Flown {
+    Json summary;
+    std::vector<client::FrameImage> frames;
+};
+
+Flown fly(const std::string& place, const std::string& size, const std::vector<std::string>& more = {}) {
+    const TemporaryFolder folder;
+    write_file(folder / "path.csv", path_to_street());
+    std::vector<std::string> command = {program("citystream-fly"),
+                                        place,
+                                        "--path",
+                                        folder / "path.csv",
+                                        "--fps",
+                                        "1",
+                                        "--size",
+                                        size,
+                                        "--stats",
+                                        folder / "s",
+                                        "--frames",
+                                        folder / "frames",
+                                        "--validation"};
+    command.insert(command.end(), more.begin(), more.end());
+    const Outcome outcome = run(command);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    Flown flown;
+    if (outcome.exit_code != 0) return flown;
+    if (std::filesystem::exists(folder / "s")) flown.summary = Json::parse(read_file(folder / "s"))["summary"];
+    for (int i = 0; i < 3; ++i) {
+        auto frame = client::read_png(folder / fmt::format("frames/frame_{:05}.png", i));
+        EXPECT_TRUE(frame);
+        if (frame) flown.frames.push_back(std::move(*frame));
+    }
+    return flown;
+}
+
+TEST(SharedChartsFlight, FramesAgreeWithTheReferenceAndCostFewerBytesThanWithoutSharing) {
+    const Flown off = fly(city(false), kLarge), on = fly(city(true), kLarge);
+    std::string glb = city(true);
+    glb.replace(glb.size() - 3, 3, "glb");
+    const Flown reference = fly(glb, kLarge, {"--reference", glb});
+    ASSERT_EQ(reference.frames.size(), 3u);
+    ASSERT_EQ(on.frames.size(), 3u);
+    ASSERT_EQ(off.frames.size(), 3u);
+    for (size_t i = 0; i < 3; ++i) {
+        const double shared = client::psnr(reference.frames[i], on.frames[i]);
+        EXPECT_GE(shared, 35) << "frame " << i;
+        EXPECT_GE(shared, client::psnr(reference.frames[i], off.frames[i]) - 0.5) << "frame " << i;
+    }
+    EXPECT_GT(on.summary["charts"]["level_bytes"], 0);
+    EXPECT_GT(on.summary["charts"]["shared_most"], 10);
+    EXPECT_LT(on.summary["bytes"]["wire"], off.summary["bytes"]["wire"]);
+    EXPECT_LT(on.summary["bytes"]["gpu_max"], off.summary["bytes"]["gpu_max"]);
+    EXPECT_EQ(on.summary["tiles_missing"], 0);
+}
+
+TEST(SharedChartsFlight, ACityWithoutSharedChartsFetchesAndBindsNothingOfADictionary) {
+    const Json charts = fly(city(false), kSmall).summary["charts"];
+    EXPECT_EQ(charts["dictionary_bytes"], 0);
+    EXPECT_EQ(charts["shared_most"], 0);
+    const Outcome listed = run({"unzip", "-l", city(false)});
+    EXPECT_EQ(listed.output.find("charts/"), std::string::npos);
+}
+
+TEST(SharedChartsFlight, SmallBudgetsAreHeld) {
+    const Json small = fly(city(true), kSmall, {"--gpu-budget", "600KiB", "--host-budget", "2MiB"}).summary;
+    EXPECT_LE(small["bytes"]["gpu_max"], 600 << 10);
+    EXPECT_LE(small["bytes"]["host_max"], 2 << 20);
+    EXPECT_GT(small["tolerance_used_max"], 1.0) << "the budget was never felt: the test is too easy";
+    EXPECT_GT(small["charts"]["shared_most"], 0);
+}
+
+TEST(SharedChartsFlight, LoadClientsReplayIt) {
+    const TemporaryFolder folder;
+    write_file(folder / "path.csv", path_to_street());
+    const Background server({program("citystream-serve"), city(true), "--listen", "127.0.0.1:0"}, "listening on");
+    const std::string url = url_in(server.ready_line());
+    ASSERT_NE(url, "");
+    const Flown flown = fly(url, kSmall);
+    const Outcome load = run({program("citystream-load"), url, "--path", folder / "path.csv", "--clients", "3",
+                              "--duration", "4", "--ramp", "0.1", "--json"});
+    ASSERT_EQ(load.exit_code, 0) << load.error;
+    const Json replayed = Json::parse(load.output);
+    EXPECT_EQ(replayed["errors"], 0);
+    EXPECT_TRUE(replayed["warnings"].empty()) << replayed["warnings"].dump();
+    EXPECT_GT(replayed["updates"]["complete"], 0);
+    EXPECT_GE(replayed["over_fetch"], 1.0);
+    EXPECT_GE(replayed["bytes"]["layers"], flown.summary["charts"]["level_bytes"]);
+}
+
+}  // namespace
+}  // namespace citystream::tests

@@ -1,0 +1,37 @@
+// Makes a picture smaller while its rows pass by: each new texel is the mean over its footprint in linear light. Holds
+// the small picture and two rows, whatever the size of the source.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "codec/atlas/image.h"
+
+namespace citystream::tiles::layers {
+
+class AreaReduction {
+  public:
+    /// Precondition (programming error): 1 <= out <= in on both axes.
+    AreaReduction(uint32_t in_width, uint32_t in_height, uint32_t out_width, uint32_t out_height);
+
+    /// The next row from the top, 3 * in_width sRGB bytes.
+    void add_row(std::span<const uint8_t> rgb);
+    /// After in_height rows: row 0 is the bottom.
+    codec::atlas::ChartImage take() { return std::move(out_); }
+
+    /// What an object of this class holds.
+    static uint64_t bytes(uint32_t out_width, uint32_t out_height);
+
+  private:
+    void narrow_row(std::span<const uint8_t> rgb);
+    void finish_row();
+
+    uint32_t in_width_, in_height_;
+    codec::atlas::ChartImage out_;
+    std::vector<float> narrow_, sum_;  // one row of the small picture: of this source row, of the rows so far
+    uint64_t rows_in_ = 0, rows_out_ = 0;
+};
+
+}  // namespace citystream::tiles::layers

@@ -1,0 +1,144 @@
+#include "tiles/layers/image_decode.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace citystream::tiles::layers {
+namespace {
+
+constexpr uint64_t kGreatestWholePixels = uint64_t{1} << 28;
+constexpr uint32_t kStripRows = 64;
+constexpr int kMostChannels = 16;
+
+/// Libraries explain themselves in several lines, or not at all.
+std::string one_line(std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    while (!text.empty() && text.back() == ' ') text.pop_back();
+    return text.empty() ? "the file is damaged" : text;
+}
+
+void to_rgb(std::span<const uint8_t> raw, size_t channels, std::vector<uint8_t>& rgb) {
+    const size_t pixels = raw.size() / channels;
+    rgb.resize(3 * pixels);
+    for (size_t i = 0; i < pixels; ++i) {
+        for (size_t c = 0; c < 3; ++c) rgb[3 * i + c] = raw[i * channels + (channels < 3 ? 0 : c)];
+    }
+}
+
+}  // namespace
+
+struct ImageFile::Input {
+    std::unique_ptr<OIIO::ImageInput> file;
+    std::string path;
+    OIIO::TypeDesc format;  ///< of every channel in the file
+    size_t pixel_bytes = 0;
+    bool tiled = false;
+    uint32_t channels = 0, strip_rows = kStripRows;
+    uint32_t width = 0, height = 0;
+    int x = 0, y = 0, z = 0;  ///< of the top left pixel
+    std::vector<uint8_t> native;
+
+    /// `rows` rows from row `first` (counted from the top), all channels, 8 bits each.
+    bool read(uint32_t first, uint32_t rows, std::vector<uint8_t>& raw) {
+        raw.resize(size_t{rows} * width * channels);
+        const int begin = y + static_cast<int>(first), end = begin + static_cast<int>(rows);
+        const bool read = tiled ? file->read_tiles(0, 0, x, x + static_cast<int>(width), begin, end, z, z + 1, 0,
+                                                   static_cast<int>(channels), OIIO::TypeDesc::UINT8, raw.data())
+                                : read_scanlines(begin, end, raw);
+        return read && !file->has_error();  // some formats note a fault and go on with what they have
+    }
+
+  private:
+    /// Native pixels are converted here: OpenImageIO's own conversion takes 64 MiB beside the rows.
+    bool read_scanlines(int begin, int end, std::vector<uint8_t>& raw) {
+        const bool same = format == OIIO::TypeDesc::UINT8;
+        if (!same) native.resize(raw.size() / channels * pixel_bytes);
+        if (!file->read_native_scanlines(0, 0, begin, end, z, same ? raw.data() : native.data())) return false;
+        return same || OIIO::convert_pixel_values(format, native.data(), OIIO::TypeDesc::UINT8, raw.data(),
+                                                  static_cast<int>(raw.size()));
+    }
+};
+
+ImageFile::ImageFile(std::unique_ptr<Input> input)
+    : input_(std::move(input)), width_(input_->width), height_(input_->height) {}
+
+ImageFile::~ImageFile() = default;
+
+Result<std::unique_ptr<ImageFile>> ImageFile::open(const std::string& path) {
+    const auto fault = [&path](const std::string& why) { return Error{"cannot read image " + path + ": " + why}; };
+    std::error_code failed;
+    const auto status = std::filesystem::status(path, failed);
+    if (!std::filesystem::exists(status)) return fault("there is no such file");
+    if (!std::filesystem::is_regular_file(status)) return fault("it is no file");
+    if (std::filesystem::file_size(path, failed) == 0) return fault("the file is empty");
+    OIIO::ImageSpec wishes;
+    wishes.attribute("oiio:UnassociatedAlpha", 1);
+    auto input = std::make_unique<Input>();
+    input->file = OIIO::ImageInput::open(path, &wishes);
+    if (!input->file) return fault(one_line(OIIO::geterror()));
+    const OIIO::ImageSpec& spec = input->file->spec();
+    const auto too_many = [](int value, uint64_t most) { return value < 1 || static_cast<uint64_t>(value) > most; };
+    if (too_many(spec.width, kGreatestSide) || too_many(spec.height, kGreatestSide) ||
+        too_many(spec.nchannels, kMostChannels) ||
+        static_cast<uint64_t>(spec.width) * static_cast<uint64_t>(spec.height) > kGreatestPixels) {
+        return fault("size " + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " is out of range");
+    }
+    if (!spec.channelformats.empty()) return fault("its channels are of several types");
+    input->path = path;
+    input->format = spec.format;
+    input->pixel_bytes = spec.pixel_bytes(true);
+    input->tiled = spec.tile_width > 0;
+    input->channels = static_cast<uint32_t>(spec.nchannels);
+    input->width = static_cast<uint32_t>(spec.width);
+    input->height = static_cast<uint32_t>(spec.height);
+    if (input->tiled) input->strip_rows = static_cast<uint32_t>(std::max(spec.tile_height, 1));
+    input->strip_rows = std::min(input->strip_rows, input->height);
+    input->x = spec.x;
+    input->y = spec.y;
+    input->z = spec.z;
+    return std::unique_ptr<ImageFile>(new ImageFile(std::move(input)));
+}
+
+uint64_t ImageFile::strip_bytes() const {
+    return uint64_t{width_} * input_->strip_rows * (3 + input_->channels + input_->pixel_bytes);
+}
+
+Status ImageFile::visit_rows(const Visit& visit) {
+    std::vector<uint8_t> raw, rgb;
+    for (uint32_t y = 0; y < height_; y += input_->strip_rows) {
+        const uint32_t count = std::min(input_->strip_rows, height_ - y);
+        if (!input_->read(y, count, raw))
+            return Error{"cannot decode image " + input_->path + ": " + one_line(input_->file->geterror())};
+        to_rgb(raw, input_->channels, rgb);
+        visit(y, count, rgb);
+    }
+    return Done{};
+}
+
+Result<ChartImage> decode_image(const std::string& path) {
+    auto file = ImageFile::open(path);
+    if (!file) return file.error();
+    ImageFile& rows = **file;
+    if (rows.pixels() > kGreatestWholePixels) {
+        return Error{"cannot use image " + path + ": " + std::to_string(rows.width()) + " x " +
+                     std::to_string(rows.height()) + " pixels are too many"};
+    }
+    ChartImage out{rows.width(), rows.height(), false, false, 0, {}};
+    const size_t row_bytes = size_t{3} * out.width;
+    out.rgb.resize(row_bytes * out.height);
+    const Status read = rows.visit_rows([&](uint32_t y, uint32_t count, std::span<const uint8_t> rgb) {
+        for (uint32_t i = 0; i < count; ++i) {
+            std::copy_n(rgb.begin() + static_cast<ptrdiff_t>(i * row_bytes), row_bytes,
+                        out.rgb.begin() + static_cast<ptrdiff_t>((out.height - 1 - y - i) * row_bytes));
+        }
+    });
+    if (!read) return read.error();
+    return out;
+}
+
+}  // namespace citystream::tiles::layers

@@ -1,0 +1,310 @@
+#include "tiles/layers/image_preparation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "codec/atlas/chart_content.h"
+#include "codec/atlas/resample.h"
+#include "tiles/layers/area_reduction.h"
+#include "tiles/layers/image_decode.h"
+#include "tiles/layers/memory_pass.h"
+
+namespace citystream::tiles::layers {
+namespace {
+
+using codec::atlas::ChartSize;
+using codec::atlas::Image;
+using codec::atlas::Metric;
+using codec::atlas::MetricKind;
+using codec::atlas::Shrink;
+using Clock = std::chrono::steady_clock;
+
+constexpr uint64_t kTexel = 3, kLinearTexel = 3 * sizeof(float);  // bytes
+/// Bytes a texel that search_chart holds at most, with every metric: five linear images, and what the metrics prepare.
+constexpr uint64_t kSearchTexel = 5 * kLinearTexel + 120;
+/// Bytes a texel of a side that resampling holds: weights, and strips of rows and columns.
+constexpr uint64_t kResampleSide = 512;
+/// What is announced while an image of unknown size is drawn.
+constexpr uint64_t kWhileDrawn = uint64_t{16} << 20;
+
+uint64_t area(ChartSize size) {
+    return uint64_t{size.width} * size.height;
+}
+
+double seconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// The same limit on the error of what is shown where that is only a share of an image: errors are means over all of
+/// it, and elsewhere at least 0.
+Metric of_shown_part(Metric metric, double share) {
+    const double scale = metric.kind == MetricKind::kRmse ? std::sqrt(share) : share;
+    metric.tolerance = metric.kind == MetricKind::kSsim ? 1 - (1 - metric.tolerance) * scale : metric.tolerance * scale;
+    return metric;
+}
+
+ChartImage reduce(const city::Image& image, ChartSize size) {
+    AreaReduction reduction(image.width, image.height, size.width, size.height);
+    const size_t row = size_t{3} * image.width;
+    for (uint32_t y = image.height; y-- > 0;) reduction.add_row(std::span(image.rgb).subspan(y * row, row));
+    return reduction.take();
+}
+
+Result<ChartImage> reduce(ImageFile& file, ChartSize size) {
+    AreaReduction reduction(file.width(), file.height(), size.width, size.height);
+    const size_t row = size_t{3} * file.width();
+    const Status read = file.visit_rows([&](uint32_t, uint32_t count, std::span<const uint8_t> rgb) {
+        for (uint32_t i = 0; i < count; ++i) reduction.add_row(rgb.subspan(i * row, row));
+    });
+    if (!read) return read.error();
+    return reduction.take();
+}
+
+Result<ChartImage> read_whole(ImageFile& file) {
+    ChartImage out{file.width(), file.height(), false, false, 0, {}};
+    const size_t row = size_t{3} * out.width;
+    out.rgb.resize(row * out.height);
+    const Status read = file.visit_rows([&](uint32_t y, uint32_t count, std::span<const uint8_t> rgb) {
+        for (uint32_t i = 0; i < count; ++i) std::copy_n(&rgb[i * row], row, &out.rgb[(out.height - 1 - y - i) * row]);
+    });
+    if (!read) return read.error();
+    return out;
+}
+
+class Preparation {
+  public:
+    Preparation(const city::CityCatalog& catalog, const std::vector<ImageUse>& uses,
+                const ImagePreparationOptions& options, PreparedImages& prepared)
+        : catalog_(catalog), uses_(uses), options_(options), prepared_(prepared), gate_(options.budget_bytes) {}
+
+    Result<ImagePreparationReport> run(std::vector<city::Defect>& defects) {
+        const auto begin = Clock::now();
+        std::vector<uint32_t> used;
+        for (uint32_t i = 0; i < uses_.size(); ++i) {
+            if (uses_[i].used()) used.push_back(i);
+        }
+        report_.images = uses_.size();
+        report_.used = used.size();
+        prepare_all(used);
+        if (error_) return *error_;
+        std::stable_sort(defects_.begin(), defects_.end(),
+                         [](const auto& a, const auto& b) { return a.first < b.first; });
+        for (auto& [image, defect] : defects_) defects.push_back(std::move(defect));
+        report_.stored_bytes = prepared_.bytes();
+        report_.peak_bytes = gate_.peak();
+        report_.seconds = seconds_since(begin);
+        return report_;
+    }
+
+  private:
+    struct Job {
+        uint32_t image;
+        const ImageUse& use;
+        ImagePreparationReport spent;  // only of this image
+    };
+
+    void prepare_all(const std::vector<uint32_t>& used) {
+        std::atomic<size_t> next = 0;
+        const auto work = [&] {
+            for (size_t i = next++; i < used.size() && !stopped(); i = next++) {
+                Job job{used[i], uses_[used[i]], {}};
+                const Status status = prepare(job);
+                finish(job, status, used.size());
+            }
+        };
+        const uint32_t jobs = options_.jobs != 0 ? options_.jobs : std::max(1U, std::thread::hardware_concurrency());
+        std::vector<std::jthread> threads;
+        for (uint32_t i = 1; i < std::min<size_t>(jobs, used.size()); ++i) threads.emplace_back(work);
+        work();
+    }
+
+    bool stopped() {
+        const std::lock_guard lock(mutex_);
+        if (!error_ && options_.cancel != nullptr && options_.cancel->load()) error_ = Error{"interrupted"};
+        return error_.has_value();
+    }
+
+    void finish(const Job& job, const Status& status, uint64_t total) {
+        const std::lock_guard lock(mutex_);
+        if (!status && !error_) error_ = status.error();
+        report_.failed += job.spent.failed;
+        report_.not_searched += job.spent.not_searched;
+        report_.decoded_pixels += job.spent.decoded_pixels;
+        report_.matched_pixels += job.spent.matched_pixels;
+        report_.prepared_pixels += job.spent.prepared_pixels;
+        report_.metric_calls += job.spent.metric_calls;
+        report_.decode_seconds += job.spent.decode_seconds;
+        report_.match_seconds += job.spent.match_seconds;
+        report_.search_seconds += job.spent.search_seconds;
+        report_.store_seconds += job.spent.store_seconds;
+        ++done_;
+        if (options_.progress) options_.progress("images", done_, total);
+    }
+
+    void note(const Job& job, const std::string& what) {
+        const std::string& path = catalog_.images[job.image].path;
+        const std::string name = path.empty() ? "image " + std::to_string(job.image) : path;
+        const std::lock_guard lock(mutex_);
+        defects_.emplace_back(job.image, city::Defect{name, what, path, false});
+    }
+
+    Status give_up(Job& job, const std::string& why) {
+        note(job, why + "; a flat colour is used");
+        prepared_.fail(job.image);
+        job.spent.failed = 1;
+        return Done{};
+    }
+
+    Status prepare(Job& job) {
+        const city::ImageSource& source = catalog_.images[job.image];
+        if (source.pixels || source.make) return prepare_drawn(job, source);
+        auto file = ImageFile::open(source.path);
+        if (!file) return give_up(job, file.error().text());
+        const ImagePlan plan = plan_of(job, {(*file)->width(), (*file)->height()}, false, (*file)->strip_bytes());
+        return within(plan, [&] {
+            const auto begin = Clock::now();
+            auto read = plan.by_rows ? reduce(**file, plan.size) : read_whole(**file);
+            if (!read) return give_up(job, read.error().text());
+            job.spent.decoded_pixels = (*file)->pixels();
+            (*file).reset();
+            job.spent.decode_seconds += seconds_since(begin);
+            return match(job, plan, std::move(read).value());
+        });
+    }
+
+    Status prepare_drawn(Job& job, const city::ImageSource& source) {
+        const auto begin = Clock::now();
+        const uint64_t guess = source.pixels ? 0 : std::min(kWhileDrawn, options_.budget_bytes);
+        std::shared_ptr<const city::Image> drawn;
+        {
+            const MemoryPass pass(gate_, guess);
+            drawn = source.drawn();
+        }
+        const ChartSize size{drawn->width, drawn->height};
+        if (area(size) == 0 || drawn->rgb.size() != kTexel * area(size)) return give_up(job, "a drawn image is empty");
+        const ImagePlan plan = plan_of(job, size, true, 0);
+        return within(plan, [&] {
+            ChartImage whole = plan.by_rows ? reduce(*drawn, plan.size)
+                                            : ChartImage{size.width, size.height, false, false, 0, drawn->rgb};
+            drawn.reset();
+            job.spent.decoded_pixels = area(size);
+            job.spent.decode_seconds += seconds_since(begin);
+            return match(job, plan, std::move(whole));
+        });
+    }
+
+    ImagePlan plan_of(const Job& job, ChartSize size, bool drawn, uint64_t strip_bytes) {
+        const bool search = options_.saliency.kind != MetricKind::kNone;
+        const ImagePlan plan =
+            plan_image(size, finest_size(size, job.use), search, drawn, strip_bytes, options_.budget_bytes);
+        if (plan.halved) {
+            note(job, "image of " + std::to_string(size.width) + " x " + std::to_string(size.height) + " reduced to " +
+                          std::to_string(plan.size.width) + " x " + std::to_string(plan.size.height) +
+                          ": the memory limit holds no more");
+        }
+        return plan;
+    }
+
+    template <typename Work>
+    Status within(const ImagePlan& plan, const Work& work) {
+        const MemoryPass pass(gate_, plan.bytes);
+        return work();
+    }
+
+    /// From here on the image's rows are in memory, all of them or those that remain.
+    Status match(Job& job, const ImagePlan& plan, ChartImage image) {
+        auto begin = Clock::now();
+        job.spent.matched_pixels = area(plan.size);
+        if (const auto colour = codec::atlas::flat_colour(image.rgb))
+            return store(job, {1, 1, false, false, 0, {(*colour)[0], (*colour)[1], (*colour)[2]}});
+        const bool repeat = !job.use.clamped;
+        const codec::atlas::Edges edges{repeat, repeat};
+        const bool resampled = plan.size != ChartSize{image.width, image.height};
+        if (!resampled && !plan.searched) return store(job, std::move(image));
+        Image linear = resampled ? resample(image, plan.size.width, plan.size.height, Shrink::kLanczos, edges)
+                                 : linear_image(image);
+        image = {};
+        job.spent.match_seconds += seconds_since(begin);
+        if (plan.searched) return search(job, std::move(linear), edges);
+        return store(job, chart_image(linear));
+    }
+
+    Status search(Job& job, Image linear, codec::atlas::Edges edges) {
+        const auto begin = Clock::now();
+        codec::atlas::SearchSettings settings;
+        settings.metric = of_shown_part(options_.saliency, job.use.shown_share());
+        settings.edges = edges;
+        settings.order = codec::atlas::SearchOrder::kAlternate;
+        settings.multiple = 4;  // charts of whole blocks
+        codec::atlas::SearchResult found = search_chart(linear, settings);
+        linear = {};
+        job.spent.metric_calls = found.calls;
+        ChartImage chart = chart_image(found.image);
+        found.image = {};
+        job.spent.search_seconds += seconds_since(begin);
+        return store(job, std::move(chart));
+    }
+
+    Status store(Job& job, ChartImage chart) {
+        const auto begin = Clock::now();
+        job.spent.prepared_pixels = uint64_t{chart.width} * chart.height;
+        Status stored = prepared_.store(job.image, std::move(chart));
+        job.spent.store_seconds += seconds_since(begin);
+        return stored;
+    }
+
+    const city::CityCatalog& catalog_;
+    const std::vector<ImageUse>& uses_;
+    const ImagePreparationOptions& options_;
+    PreparedImages& prepared_;
+    MemoryGate gate_;
+    std::mutex mutex_;  // guards everything below
+    ImagePreparationReport report_;
+    std::vector<std::pair<uint32_t, city::Defect>> defects_;
+    std::optional<Error> error_;
+    uint64_t done_ = 0;
+};
+
+}  // namespace
+
+ImagePlan plan_image(ChartSize image, ChartSize wanted, bool search, bool whole_pixels_held, uint64_t strip_bytes,
+                     uint64_t budget_bytes) {
+    ImagePlan plan;
+    plan.size = wanted;
+    const uint64_t held = strip_bytes + (whole_pixels_held ? kTexel * area(image) : 0);
+    const auto least_bytes = [&] {
+        return held + std::max(AreaReduction::bytes(plan.size.width, plan.size.height),
+                               PreparedImages::bytes_to_store(area(plan.size)));
+    };
+    while (area(plan.size) > 1 && least_bytes() > budget_bytes) {
+        plan.size = {std::max(1U, plan.size.width / 2), std::max(1U, plan.size.height / 2)};
+        plan.halved = true;
+    }
+    plan.bytes = least_bytes();
+    const uint64_t whole = held + kTexel * area(image);
+    uint64_t resample = 0;
+    if (plan.size != image) {
+        resample = whole + kLinearTexel * plan.size.width * (uint64_t{image.height} + plan.size.height) +
+                   kResampleSide * (uint64_t{image.width} + image.height);
+    }
+    plan.by_rows = plan.size != image && std::max(whole, resample) > budget_bytes;
+    if (!plan.by_rows) plan.bytes = std::max({plan.bytes, whole, resample});
+    const uint64_t searching = (kTexel + kSearchTexel) * area(plan.size);
+    plan.searched = search && searching <= budget_bytes;
+    if (plan.searched) plan.bytes = std::max(plan.bytes, searching);
+    return plan;
+}
+
+Result<ImagePreparationReport> prepare_images(const city::CityCatalog& catalog, const std::vector<ImageUse>& uses,
+                                              const ImagePreparationOptions& options, PreparedImages& prepared,
+                                              std::vector<city::Defect>& defects) {
+    return Preparation(catalog, uses, options, prepared).run(defects);
+}
+
+}  // namespace citystream::tiles::layers
