@@ -41,7 +41,7 @@ extern "C" void request_stop(int) {
 struct FlyOptions {
     std::string place, path, frames_folder, video, stats,
         size = "1280x720", gpu_budget = "512MiB", host_budget = "1GiB", mode = "offline", network, device, reference,
-        facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)}, map_level = "auto";
+        facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)}, map_level = "auto", occlusion = "on";
     double tolerance = 1, fps = 10;
     std::optional<double> relief_tolerance;
     uint32_t supersample = 1, facade_samples = kFacadeSamples;
@@ -276,6 +276,7 @@ FlightDescription describe(const FlyOptions& options, const std::string& device)
     description.map_level = options.map_level;
     description.facade_renderer = options.facade_renderer;
     description.facade_samples = options.facade_samples;
+    description.occlusion = options.occlusion == "on" && options.mode == "offline";
     description.frames_per_second = options.fps;
     description.gpu_budget_bytes = options.gpu_bytes;
     description.host_budget_bytes = options.host_bytes;
@@ -318,6 +319,7 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
     streamer_options.host_budget_bytes = options.host_bytes;
     streamer_options.wait_for_selection = options.mode == "offline";
     streamer_options.relief = options.relief;
+    streamer_options.occlusion = options.occlusion == "on";
     streamer_options.facade_form = form_for(options.renderer);
     streamer_options.facade_boxes = steps_through_boxes(options.renderer);
     streamer_options.stop = &stop_requested;
@@ -434,6 +436,10 @@ void add_options(CLI::App& app, FlyOptions& options) {
                    "from shimmering")
         ->capture_default_str()
         ->check(CLI::IsMember(kFacadeSampleCounts));
+    app.add_option("--occlusion", options.occlusion,
+                   "on: what near surfaces hide is neither fetched nor drawn (offline mode)")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"on", "off"}));
     app.add_option("--frames", options.frames_folder, "folder for the frames (PNG)");
     app.add_option("--video", options.video, "film of the frames (MP4)");
     app.add_option("--stats", options.stats, "statistics of every frame (JSON)");

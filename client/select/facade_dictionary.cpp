@@ -27,6 +27,7 @@ void FacadeDictionary::learn(std::vector<FacadeMapRecord> maps) {
 void FacadeDictionary::learn(SharedMaps maps) {
     maps_ = std::move(maps);
     broken_levels_.assign(size(), 0);
+    opaque_levels_.assign(size(), 0);
     learnt_bytes_.clear();
     ++changes_;
 }
@@ -58,6 +59,11 @@ void FacadeDictionary::set_usable(MapPiece piece, bool usable) {
     ++changes_;
 }
 
+void FacadeDictionary::learn_opaque(MapPiece piece) {
+    uint8_t& opaque = opaque_levels_[map_of(piece)];
+    opaque = static_cast<uint8_t>(opaque | 1u << level_of(piece));
+}
+
 bool FacadeDictionary::has_usable_level(uint32_t map) const {
     const uint32_t all = (1u << record(map).level_count) - 1;
     return (broken_levels_[map] & all) != all;
@@ -76,7 +82,7 @@ std::optional<MapPiece> FacadeDictionary::wanted(uint32_t map, const MapDemand& 
 }
 
 uint64_t FacadeDictionary::host_bytes() const {
-    return size() * (sizeof(FacadeMapRecord) + sizeof(broken_levels_[0])) +
+    return size() * (sizeof(FacadeMapRecord) + sizeof(broken_levels_[0]) + sizeof(opaque_levels_[0])) +
            learnt_bytes_.size() * sizeof(learnt_bytes_[0]);
 }
 

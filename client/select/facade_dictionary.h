@@ -80,6 +80,10 @@ class FacadeDictionary {
     void set_usable(MapPiece piece, bool usable);
     bool has_usable_level(uint32_t map) const;
 
+    /// Whether a level is known to have no open cells: learnt when it comes.
+    bool opaque(MapPiece piece) const { return (opaque_levels_[map_of(piece)] >> level_of(piece) & 1) != 0; }
+    void learn_opaque(MapPiece piece);
+
     /// The coarsest level whose texels are fine enough; where that cannot be had the next coarser one, else the next
     /// finer one. Nothing when no level can be had, or nothing is known of the map.
     std::optional<MapPiece> wanted(uint32_t map, const MapDemand& demand) const;
@@ -91,6 +95,7 @@ class FacadeDictionary {
   private:
     SharedMaps maps_ = std::make_shared<const std::vector<tiles::tileset::FacadeMapRecord>>();
     std::vector<uint8_t> broken_levels_;  ///< by map: a bit a level
+    std::vector<uint8_t> opaque_levels_;  ///< by map: a bit a level
     std::vector<uint64_t> learnt_bytes_;  ///< by piece, 0: unknown; empty until the first is learnt
     uint64_t changes_ = 0;
 };

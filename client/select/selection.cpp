@@ -86,10 +86,13 @@ const Selector::View& Selector::view_of(NodeIndex index) {
     const auto& bounds = directory_.node(index).record->bounds;
     view.stamp = view_stamp_;
     view.visible = camera_.sees(bounds, directory_.origin());
-    if (view.visible) {
-        const double distance = std::max(camera_.distance_to(bounds, directory_.origin()), camera_.near_plane);
-        view.pixels_per_metre = camera_.pixels_per_metre(distance);
-    }
+    view.hidden = view.beyond = false;
+    if (!view.visible) return view;
+    const double distance = std::max(camera_.distance_to(bounds, directory_.origin()), camera_.near_plane);
+    view.pixels_per_metre = camera_.pixels_per_metre(distance);
+    view.hidden = picture_ != nullptr && picture_->hides(bounds, directory_.origin());
+    view.visible = !view.hidden;
+    view.beyond = view.visible && distance > horizon_;
     return view;
 }
 
@@ -97,7 +100,9 @@ const Selector::View& Selector::view_of(NodeIndex index) {
 /// could be was added.
 bool Selector::visit(NodeIndex index, Selection& out) {
     const View view = view_of(index);
-    if (!view.visible) return true;
+    if (view.hidden) ++out.hidden;
+    if (view.beyond) out.beyond_horizon = true;
+    if (!view.visible || view.beyond) return true;
     const DirectoryNode& node = directory_.node(index);
     const bool good_enough = node.record->geometric_error * view.pixels_per_metre <= out.tolerance;
     if (good_enough || node.is_leaf() || node.broken_children != 0) {
@@ -113,10 +118,12 @@ bool Selector::visit(NodeIndex index, Selection& out) {
         take(index, view, out);
         return true;
     }
-    const size_t mark = out.tiles.size();
+    const size_t mark = out.tiles.size(), refined_mark = out.refined.size();
+    out.refined.push_back(index);
     const bool covered = visit_children(index, out);
     if (covered || !can_be_drawn(directory_, knowledge_, index)) return covered;
     out.tiles.resize(mark);  // REPLACE: the parent is drawn instead of all of its children
+    out.refined.resize(refined_mark);
     take(index, view, out);
     return true;
 }

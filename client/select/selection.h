@@ -4,11 +4,13 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "client/select/camera.h"
 #include "client/select/city_knowledge.h"
+#include "client/select/depth_picture.h"
 #include "client/select/placement_levels.h"
 
 namespace citystream::client {
@@ -35,11 +37,14 @@ struct SelectionCost {
 };
 
 struct Selection {
-    double tolerance = 0;                               ///< pixels: what the tiles were chosen with
-    std::vector<SelectedTile> tiles;                    ///< depth first: neighbours in the tree are neighbours here
+    double tolerance = 0;             ///< pixels: what the tiles were chosen with
+    std::vector<SelectedTile> tiles;  ///< depth first: neighbours in the tree are neighbours here
+    std::vector<NodeIndex> refined;   ///< tiles whose children were looked at instead, also where none of those shows
     std::vector<tiles::tileset::TileAddress> subtrees;  ///< not loaded yet, but needed to refine
     SelectionCost cost;
     bool relief_left_out = false;  ///< relief of some tiles is drawn flat, for the budgets do not hold it
+    bool beyond_horizon = false;   ///< tiles beyond the selector's horizon were left out
+    uint64_t hidden = 0;           ///< tiles of the directory's walk that lie behind the depth picture, with all below
     bool fits = true;              ///< false: even the coarsest choice breaks a budget, and far tiles were left out
 };
 
@@ -66,6 +71,13 @@ class Selector {
     /// served first: maps that were converted for a renderer can be a thousand times larger than the rest.
     Selection select_within(const Camera& camera, double tolerance, const SelectionBudget& budget);
 
+    /// From now on: tiles that the picture hides (null: none does) are not visible, and those that are farther away
+    /// than `horizon` metres are left out. The picture is that of the cameras asked for, and may grow between choices.
+    void look_past(const DepthPicture* picture, double horizon) {
+        picture_ = picture;
+        horizon_ = horizon;
+    }
+
     /// Of the camera of the last selection, for any node of the directory.
     bool visible(NodeIndex node) { return view_of(node).visible; }
     double pixels_per_metre(NodeIndex node) { return view_of(node).pixels_per_metre; }  ///< of a visible node
@@ -75,7 +87,7 @@ class Selector {
   private:
     struct View {
         uint64_t stamp = 0;
-        bool visible = false;
+        bool visible = false, hidden = false, beyond = false;
         double pixels_per_metre = 0;
     };
     const View& view_of(NodeIndex node);
@@ -97,6 +109,8 @@ class Selector {
     bool with_relief_ = true;  ///< false while the choice without any relief is searched
     double relief_ratio_ = 1;  ///< tolerance of flat relief / tolerance: they are raised together
     Camera camera_;
+    const DepthPicture* picture_ = nullptr;
+    double horizon_ = std::numeric_limits<double>::infinity();
     std::vector<View> views_;           ///< by node, valid where stamp == view_stamp_
     std::vector<uint64_t> piece_seen_;  ///< by piece of the dictionary: cost_stamp_ when counted
     struct CountedChart {

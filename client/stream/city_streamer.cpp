@@ -11,6 +11,7 @@
 #include "client/stream/chart_residency.h"
 #include "client/stream/cover.h"
 #include "client/stream/dictionary_pieces.h"
+#include "client/stream/occluders.h"
 #include "client/stream/request_cost.h"
 #include "client/stream/request_plan.h"
 #include "client/stream/setbacks.h"
@@ -34,6 +35,11 @@ constexpr int kMostRounds =
 constexpr std::chrono::milliseconds kWaitSlice{100};
 constexpr uint32_t kUnwantedUpdates =
     2;  // before a request is cancelled: a view that wavers at a threshold wastes no bytes
+
+/// Metres: tiles up to here are chosen first, then up to twice that, ...: those that the nearer ones hide never are.
+constexpr double kFirstHorizon = 32;
+/// Samples by which occluders are taken smaller at most; views of a larger tolerance are chosen without.
+constexpr double kMostOccluderMargin = 8;
 
 double milliseconds_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -67,6 +73,7 @@ class Streamer final : public CityStreamer {
           maps_(knowledge_, cache_, host_, warnings_, counters_, map_options(options)),
           charts_(knowledge_, cache_, host_, warnings_, counters_, options.decode),
           residency_(directory_, knowledge_, cache_, host_, maps_, charts_, warnings_, counters_, options.decode),
+          occluders_(directory_, cache_, host_),
           setbacks_(directory_, knowledge_, cache_, warnings_) {
         host_.budget = options.host_budget_bytes;
         host_.fixed = sizeof(*this);
@@ -84,6 +91,11 @@ class Streamer final : public CityStreamer {
   private:
     void advance_waiting(const Camera& camera);
     void advance_realtime(const Camera& camera);
+    bool fetch_all_in_sight(const Camera& camera);
+    void begin_occlusion(const Camera& camera, double tolerance);
+    void look_everywhere();
+    bool look_farther();
+    void draw_occluders(const SelectedTile& tile);
     void choose(const Camera& camera);
     void pin_root();
     SelectedTile stand_in() const;
@@ -136,6 +148,7 @@ class Streamer final : public CityStreamer {
     /// By node: serial of the selection for which each holds.
     struct Mark {
         uint64_t selected = 0, refined = 0, needed = 0;
+        uint64_t counted = 0;   ///< update for which its prefixes were counted as here or not
         uint32_t position = 0;  ///< in needed_
     };
 
@@ -152,12 +165,16 @@ class Streamer final : public CityStreamer {
     MapResidency maps_;
     ChartResidency charts_;
     TileResidency residency_;
+    Occluders occluders_;
+    DepthPicture picture_;
+    double horizon_ = 0;              ///< metres
+    std::vector<uint8_t> occluding_;  ///< by node: drawn to the picture
     Setbacks setbacks_;
     Selection selection_;
     std::vector<SelectedTile> needed_;        ///< the selection, and in realtime mode the root
     std::vector<ChartPrefix> needed_charts_;  ///< of them all
     std::vector<Mark> marks_;
-    uint64_t serial_ = 0;
+    uint64_t serial_ = 0, update_ = 0;
     std::map<uint64_t, InFlight> in_flight_;
     uint64_t next_id_ = 1;
     bool facade_index_requested_ = false, chart_index_requested_ = false;
@@ -182,6 +199,8 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
     frame_ = &frame;
     host_.forget_peaks();
     cache_.begin_update();
+    ++update_;
+    occluders_.begin_update();
     setbacks_.retry_due();
     if (options_.wait_for_selection) {
         advance_waiting(camera);
@@ -206,17 +225,101 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
     return draws_;
 }
 
-/// Rounds of choosing and fetching until the choice is here. What a choice turns out to depend on (subtrees,
-/// placements, damage, sizes of converted maps) makes another round.
+/// A choice may turn out to be larger than the budgets once all of the view is known; then it is coarser, and what
+/// hides what is asked again.
 void Streamer::advance_waiting(const Camera& camera) {
+    double tolerance = options_.tolerance_pixels;
+    do {
+        begin_occlusion(camera, tolerance);
+        if (!fetch_all_in_sight(camera)) {
+            look_everywhere();
+            choose(camera);
+            upload_all();
+            return;
+        }
+    } while (std::isfinite(horizon_) && selection_.tolerance > std::exchange(tolerance, selection_.tolerance));
+    const bool drawable = std::all_of(selection_.tiles.begin(), selection_.tiles.end(),
+                                      [&](const SelectedTile& tile) { return residency_.drawable(tile.node); });
+    if (drawable) return;
+    look_everywhere();
+    (void)fetch_all_in_sight(camera);
+}
+
+/// Rounds of choosing and fetching until the choice is here, up to a horizon that recedes. What a choice turns out to
+/// depend on (subtrees, placements, damage, sizes of converted maps) makes another round. False: there is no room for
+/// it.
+bool Streamer::fetch_all_in_sight(const Camera& camera) {
     for (int round = 0; round < kMostRounds && !stopped(); ++round) {
         const uint64_t known = dictionary_changes();
         choose(camera);
         upload_all();
-        if (round == 0) count_hits();
+        count_hits();
         if (dictionary_changes() != known) continue;
         const std::vector<PlannedRequest> requests = plan(camera, true);
-        if (requests.empty() || !drain(requests)) return;
+        if (requests.empty()) {
+            if (!look_farther()) return true;
+        } else if (!drain(requests)) {
+            return false;
+        }
+    }
+    return false;
+}
+
+/// A picture of nothing, and a near horizon; without occlusion neither.
+void Streamer::begin_occlusion(const Camera& camera, double tolerance) {
+    const double margin = 1 + std::ceil(tolerance);
+    if (!options_.occlusion || !options_.decode || margin > kMostOccluderMargin) {
+        look_everywhere();
+        return;
+    }
+    picture_.begin(camera, static_cast<uint32_t>(margin));
+    occluding_.assign(directory_.nodes().size(), 0);
+    horizon_ = kFirstHorizon;
+    selector_.look_past(&picture_, horizon_);
+}
+
+/// For views of which not all is here: nothing may be left out, as what would hide it may not be drawn.
+void Streamer::look_everywhere() {
+    horizon_ = std::numeric_limits<double>::infinity();
+    selector_.look_past(nullptr, horizon_);
+}
+
+/// The chosen tiles, which are all here, hide some of those farther away. False: there are none.
+bool Streamer::look_farther() {
+    if (!selection_.beyond_horizon) return false;
+    occluding_.resize(directory_.nodes().size(), 0);
+    for (const SelectedTile& tile : selection_.tiles) {
+        if (std::exchange(occluding_[tile.node], uint8_t{1}) == 0) draw_occluders(tile);
+    }
+    picture_.finish();
+    horizon_ *= 2;
+    selector_.look_past(&picture_, horizon_);
+    return true;
+}
+
+/// As add_draw will draw the tile.
+void Streamer::draw_occluders(const SelectedTile& tile) {
+    if (!residency_.drawable(tile.node) || !residency_.has_mesh(tile.node)) return;
+    bool relief = false;
+    TileDraw draw;
+    std::vector<PlacementLevel> levels;
+    if (tile.has_relief()) {
+        levels = selector_.placement_levels_of(tile.node, selection_.tolerance);
+        relief = !levels.empty() && residency_.add_relief(tile.node, levels, draw);
+    }
+    const CachedLayer& mesh = cache_.at(layer_key(tile.node, Layer::kMesh));
+    const uint32_t drawn_steps = std::min<uint32_t>(tile.steps_of(Layer::kMesh), mesh.store_steps);
+    occluders_.draw(tile.node, drawn_steps, !relief, picture_);
+    if (!relief) return;
+    const GridPoint origin = directory_.manifest().tile_origin(*directory_.node(tile.node).record);
+    const auto& placements = knowledge_.tiles[tile.node].placements;
+    for (size_t i = 0; i < placements.size(); ++i) {
+        const FacadeMapBinding& map = draw.facade_maps[draw.map_of_placement[i]];
+        const MapPiece piece = map_piece(map.map, map.level);
+        if (!knowledge_.dictionary.opaque(piece)) continue;
+        const double lowest = knowledge_.dictionary.record(map.map).depth_min_mm * 0.001 -
+                              static_cast<double>(knowledge_.dictionary.record_of(piece).displacement_error);
+        draw_back_of(placements[i], origin, std::max(0.0, -lowest), picture_);
     }
 }
 
@@ -254,13 +357,8 @@ void Streamer::choose(const Camera& camera) {
     selection_ = selector_.select_within(camera, options_.tolerance_pixels, budget);
     needed_ = selection_.tiles;
     ++serial_;
-    for (const SelectedTile& tile : selection_.tiles) {
-        marks_[tile.node].selected = serial_;
-        for (NodeIndex up = directory_.node(tile.node).parent; up != kNoNode && marks_[up].refined != serial_;
-             up = directory_.node(up).parent) {
-            marks_[up].refined = serial_;
-        }
-    }
+    for (const SelectedTile& tile : selection_.tiles) marks_[tile.node].selected = serial_;
+    for (const NodeIndex node : selection_.refined) marks_[node].refined = serial_;
     if (!options_.wait_for_selection) pin_root();
     needed_charts_.clear();
     for (const SelectedTile& tile : needed_) {
@@ -373,9 +471,10 @@ void Streamer::upload_all() {
     if (!needed_charts_.empty()) charts_.upload(needed_charts_);
 }
 
+/// Each prefix when it is chosen for the first time in this update, before anything is fetched for it.
 void Streamer::count_hits() {
-    frame_->cache_hits = frame_->cache_misses = 0;
     for (const SelectedTile& tile : needed_) {
+        if (std::exchange(marks_[tile.node].counted, update_) == update_) continue;
         for (size_t layer = 0; layer < kLayerCount; ++layer) {
             if (tile.steps[layer] == 0) continue;
             const CachedLayer& entry = cache_.at(layer_key(tile.node, static_cast<Layer>(layer)));
@@ -626,6 +725,7 @@ void Streamer::make_draws() {
     }
     frame_->tiles_drawn = draws_.size();
     frame_->tiles_wanted = selection_.tiles.size();
+    frame_->tiles_hidden = selection_.hidden;
     frame_->tiles_missing = selection_.tiles.size() - as_chosen;
     frame_->tolerance_used = selection_.tolerance;
 }

@@ -27,7 +27,10 @@ struct StreamerOptions {
     double tolerance_pixels = 1.0;
     uint64_t host_budget_bytes = 1ull << 30;  ///< wire bytes kept, decode buffers, directory: hard
     bool wait_for_selection =
-        true;            ///< offline mode: update() returns when the frame has all it asked for (or it failed for good)
+        true;  ///< offline mode: update() returns when the frame has all it asked for (or it failed for good)
+    /// What near surfaces hide is neither fetched nor drawn (client/select/depth_picture.h). Needs decoding; only in
+    /// waiting mode, where a frame waits for what its camera's movement reveals.
+    bool occlusion = true;
     bool decode = true;  ///< false (load client): bytes are counted and checked, not decoded
     ReliefOptions relief;
     std::optional<codec::facade::FacadeForm>
@@ -45,6 +48,7 @@ struct StreamerOptions {
 struct StreamerFrame {
     uint64_t tiles_drawn = 0;   ///< tiles in the returned list
     uint64_t tiles_wanted = 0;  ///< tiles that the one rule chose
+    uint64_t tiles_hidden = 0;  ///< tiles in the view's frustum that it left out with all below, as others hide them
     uint64_t tiles_missing =
         0;  ///< chosen tiles that are not drawn as chosen: an ancestor, descendants or nothing stands in for them
     uint64_t requests = 0, wire_bytes = 0, decoded_bytes = 0;  ///< of this update

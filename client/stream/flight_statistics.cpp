@@ -30,7 +30,11 @@ Json frame_json(const FlightFrame& frame) {
               {"gpu_facade", milliseconds(g.gpu_facade_ms)},
               {"gpu_total", milliseconds(g.gpu_total_ms)},
               {"readback", milliseconds(g.readback_ms)}}},
-            {"tiles", {{"drawn", s.tiles_drawn}, {"wanted", s.tiles_wanted}, {"missing", s.tiles_missing}}},
+            {"tiles",
+             {{"drawn", s.tiles_drawn},
+              {"wanted", s.tiles_wanted},
+              {"missing", s.tiles_missing},
+              {"hidden", s.tiles_hidden}}},
             {"requests", s.requests},
             {"bytes",
              {{"wire", s.wire_bytes},
@@ -93,6 +97,7 @@ Json description_json(const FlightDescription& d) {
             {"map_level", d.map_level},
             {"facade_renderer", d.facade_renderer},
             {"facade_samples", d.facade_samples},
+            {"occlusion", d.occlusion},
             {"gpu_budget_bytes", d.gpu_budget_bytes},
             {"host_budget_bytes", d.host_budget_bytes}};
 }

@@ -25,6 +25,7 @@ struct FlightDescription {
     std::string facade_renderer, map_level;  ///< as chosen by name
     double relief_tolerance_pixels = 0;
     uint32_t facade_samples = 1;
+    bool occlusion = true;
     uint32_t width = 0, height = 0;
     double tolerance_pixels = 0, frames_per_second = 0;
     uint64_t gpu_budget_bytes = 0, host_budget_bytes = 0;

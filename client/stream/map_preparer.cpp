@@ -26,10 +26,9 @@ Result<std::vector<uint32_t>> encode(FacadeForm form, bool boxes, const codec::f
                                     : codec::facade::encode_form(form, grid);
 }
 
-void convert(PreparedMap& map, const MapTarget& target) {
+void convert(PreparedMap& map, const Result<codec::facade::RunGrid>& grid, const MapTarget& target) {
     const Clock::time_point begin = Clock::now();
     Result<std::vector<uint32_t>> words = Error{"no words"};
-    const auto grid = codec::facade::decode_form(map.words);
     if (grid) {
         words = encode(target.form, target.boxes, *grid);
         map.converted = words.ok();
@@ -55,7 +54,9 @@ PreparedMap prepare(const MapJob& job, const std::optional<MapTarget>& target) {
         return map;
     }
     map.words = std::move(*words);
-    if (target) convert(map, *target);
+    const auto grid = codec::facade::decode_form(map.words);
+    map.opaque = grid.ok() && !grid->has_open_cells();
+    if (target) convert(map, grid, *target);
     return map;
 }
 

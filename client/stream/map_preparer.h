@@ -24,6 +24,7 @@ struct PreparedMap {
     std::string failure;          ///< why, when it is
     bool converted = false;       ///< to the form asked for
     bool refused = false;         ///< that form does not pay: the words are raw
+    bool opaque = false;          ///< no open cells
     double convert_ms = 0;        ///< of one core
 };
 

@@ -151,6 +151,7 @@ void MapResidency::store(MapPiece piece, const PreparedMap& prepared) {
             "coarser");
         return;
     }
+    if (prepared.opaque) knowledge_.dictionary.learn_opaque(piece);
     const Status appended = cache_.append(cache_.at(map_key(piece)), prepared.words, 1);
     if (appended) {
         counters_.decoded_bytes += bytes;

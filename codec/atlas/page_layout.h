@@ -10,8 +10,9 @@
 #define PAGES_WORD_MAGIC 0
 #define PAGES_WORD_CHART_COUNT 1
 #define PAGES_WORD_PAGE_COUNT 2
-#define PAGES_WORD_MIPS 3 /* M, levels are 0 (the finest) to M; bits 8..15: border of every chart, texels of level 0 \
-                           */
+#define PAGES_WORD_MIPS                                                                          \
+    3 /* M, levels are 0 (the finest) to M; bits 8..15: border of every chart, texels of level 0 \
+       */
 #define PAGES_HEADER_WORDS 4
 #define PAGES_MOST_MIPS 7
 

@@ -121,6 +121,31 @@ TEST(Flight, EveryFrameAgreesWithTheReferenceRenderer) {
     }
 }
 
+TEST(Flight, WhatNearHousesHideIsLeftOutAndNoPixelChanges) {
+    const TemporaryFolder folder;
+    std::string path = kHeader;
+    for (int i = 0; i < 8; ++i) path += camera_line(i, -60 + 40 * i, 1.7, 45 * i, 3);
+    const auto tiles = [](const std::string& file) {
+        std::array<uint64_t, 2> drawn_and_hidden{};
+        const auto statistics = nlohmann::json::parse(read_file(file));
+        for (const auto& frame : statistics["frames"]) {
+            drawn_and_hidden[0] += frame["tiles"]["drawn"].get<uint64_t>();
+            drawn_and_hidden[1] += frame["tiles"]["hidden"].get<uint64_t>();
+        }
+        return drawn_and_hidden;
+    };
+    const auto seen = fly(shared_city(), path, {"--stats", folder / "on.json"});
+    const auto all = fly(shared_city(), path, {"--occlusion", "off", "--stats", folder / "off.json"});
+    ASSERT_EQ(seen.size(), 8U);
+    ASSERT_EQ(all.size(), 8U);
+    for (size_t i = 0; i < all.size(); ++i) EXPECT_GT(client::psnr(all[i], seen[i]), 70) << "frame " << i;
+    const auto [drawn, hidden] = tiles(folder / "on.json");
+    const auto [all_drawn, none_hidden] = tiles(folder / "off.json");
+    EXPECT_GT(hidden, 0U);
+    EXPECT_EQ(none_hidden, 0U);
+    EXPECT_LT(drawn, all_drawn);
+}
+
 TEST(Flight, ACityMovedByTenThousandKilometresGivesTheSameFrames) {
     const TemporaryFolder folder;
     const Outcome built = run({program("citystream-build"), "generate", "--buildings", "300", "--seed", "7", "--origin",

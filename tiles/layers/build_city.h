@@ -37,7 +37,7 @@ struct BuildOptions {
     /// (PSNR, SSIM, FLIP against the reference; bytes of the flight): 0: 40.21 dB, 0.9912, 0.0243, 1.49 MB; 4: 40.15,
     /// 0.9907, 0.0251, 1.20; 8: 40.05, 0.9900, 0.0269, 1.08; 16: 39.82, 0.9884, 0.0285, 0.95.
     uint32_t rate_distortion = 4;
-    bool shared_charts = false;  ///< pictures that several tiles show are stored once, in the chart dictionary
+    bool shared_charts = true;  ///< pictures that several tiles show are stored once, in the chart dictionary
     /// How much images may lose to become smaller: search_chart's metric and tolerance. None by default, because the
     /// mean error of a picture says little of thin lines in it (road markings). Frames against the reference (PSNR,
     /// SSIM, FLIP; bytes of the flight) without shared charts, of Ingolstadt: none: 45.53 dB, 0.9933, 0.0186, 1.05 MB;

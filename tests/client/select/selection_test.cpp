@@ -65,6 +65,65 @@ bool chosen_by_the_rule(const SyntheticCity& city, const Camera& camera, const T
     return record.address.level + 1 == city.manifest.levels || error(record) <= tolerance;
 }
 
+/// What a selection without a picture has and one with it has not.
+std::set<TileAddress> left_out(const World& all, const Selection& without, const Selection& with) {
+    std::set<TileAddress> out;
+    for (const SelectedTile& tile : without.tiles) out.insert(all.directory.node(tile.node).record->address);
+    for (const SelectedTile& tile : with.tiles) out.erase(all.directory.node(tile.node).record->address);
+    return out;
+}
+
+TEST(Selection, TilesBehindThePictureAreLeftOutAndNoOthers) {
+    World& all = world();
+    Selector selector(all.directory, all.knowledge);
+    const Camera camera = all.city.camera(512, 10, 20, 0, 0);
+    const Selection without = selector.select(camera, 1, 4096);
+    DepthPicture picture;
+    picture.begin(camera);
+    // A wall across the street, 200 m ahead, from 200 m to the left to 200 m to the right.
+    const auto [x, y] = all.city.origin();
+    const std::vector<std::array<double, 3>> wall = {
+        {x + 312, y + 210, -100}, {x + 712, y + 210, -100}, {x + 712, y + 210, 300}, {x + 312, y + 210, 300}};
+    picture.add(wall);
+    picture.finish();
+    selector.look_past(&picture, std::numeric_limits<double>::infinity());
+    const Selection with = selector.select(camera, 1, 4096);
+    const auto gone = left_out(all, without, with);
+    EXPECT_GT(gone.size(), 3U);
+    EXPECT_GT(with.tiles.size(), 3U);
+    EXPECT_GT(with.hidden, 0U);
+    EXPECT_EQ(without.hidden, 0U);
+    for (const TileAddress& address : gone)
+        EXPECT_TRUE(picture.hides(all.city.tile(address).bounds, all.city.origin()));
+    for (const SelectedTile& tile : with.tiles) {
+        EXPECT_FALSE(picture.hides(all.directory.node(tile.node).record->bounds, all.city.origin()));
+        EXPECT_TRUE(selector.visible(tile.node));
+    }
+    selector.look_past(nullptr, std::numeric_limits<double>::infinity());
+    EXPECT_TRUE(left_out(all, without, selector.select(camera, 1, 4096)).empty());
+}
+
+TEST(Selection, TilesBeyondTheHorizonAreLeftOutAndItSaysSo) {
+    World& all = world();
+    Selector selector(all.directory, all.knowledge);
+    const Camera camera = all.city.camera(512, 10, 20, 0, -5);
+    const Selection everything = selector.select(camera, 1, 4096);
+    EXPECT_FALSE(everything.beyond_horizon);
+    size_t before = 0;
+    for (double horizon = 16; horizon < 4096; horizon *= 4) {
+        selector.look_past(nullptr, horizon);
+        const Selection near = selector.select(camera, 1, 4096);
+        EXPECT_EQ(near.beyond_horizon, near.tiles.size() < everything.tiles.size());
+        EXPECT_GE(near.tiles.size(), before);
+        before = near.tiles.size();
+        for (const SelectedTile& tile : near.tiles) {
+            const auto& bounds = all.directory.node(tile.node).record->bounds;
+            EXPECT_LE(camera.distance_to(bounds, all.city.origin()), horizon);
+        }
+    }
+    EXPECT_EQ(before, everything.tiles.size());
+}
+
 TEST(Selection, EqualsTheRuleReadTileByTile) {
     World& all = world();
     Selector selector(all.directory, all.knowledge);

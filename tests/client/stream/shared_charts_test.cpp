@@ -19,6 +19,7 @@ using test::Flight;
 using test::realtime;
 using test::SyntheticCity;
 using test::TileAddress;
+using test::whole_view;
 using tiles::tileset::kChartIndexPath;
 using tiles::tileset::kChartLevelsPath;
 
@@ -167,7 +168,7 @@ TEST(SharedCharts, AChartThatManyTilesShowIsFetchedAndHeldOnce) {
 
 TEST(SharedCharts, PayloadsThatLieSideBySideAreOneRequest) {
     const SyntheticCity city(with_charts(90));
-    Flight flight(city);
+    Flight flight(city, whole_view());
     flight.update(city.camera(500, 500, 20, 0, -10));
     auto requests = requests_for(flight, kChartLevelsPath);
     ASSERT_GT(requests.size(), 1u);
@@ -180,7 +181,7 @@ TEST(SharedCharts, PayloadsThatLieSideBySideAreOneRequest) {
 
 TEST(SharedCharts, WhatAChoiceDependsOnComesBeforeAnyLevelOfAChart) {
     const SyntheticCity& city = shared_city();
-    Flight flight(city);
+    Flight flight(city, whole_view());
     flight.update(camera_at(city, 20));
     size_t last_atlas = 0, index = 0, first_level = 0;
     for (size_t i = 0; i < flight.fetcher.log.size(); ++i) {
@@ -301,7 +302,7 @@ TEST(SharedCharts, AMissingLevelsEntryOrIndexLeavesTilesInColours) {
 TEST(SharedCharts, HoldBothBudgetsInEveryFrameOfARandomWalk) {
     const SyntheticCity& city = shared_city();
     for (const bool wait : {true, false}) {
-        StreamerOptions options;
+        StreamerOptions options = whole_view();
         options.wait_for_selection = wait;
         options.host_budget_bytes = 800u << 10;
         Flight flight(city, options, 180 << 10, 1024);
@@ -357,7 +358,7 @@ TEST(SharedCharts, AClientThatDoesNotDecodeAsksForTheSameBytes) {
     StreamerOptions counting;
     counting.decode = false;
     counting.directory_pool = std::make_shared<DirectoryPool>();
-    Flight drawing(city), loading(city, counting);
+    Flight drawing(city, whole_view()), loading(city, counting);
     uint64_t levels = 0;
     for (int i = 0; i < 10; ++i) {
         const Camera camera = city.camera(100 + 40 * i, 100, 30, 10 * i, -15);

@@ -36,6 +36,13 @@ struct Flight {
     StreamerFrame frame;
 };
 
+/// Chooses a view at once, whatever hides what.
+inline StreamerOptions whole_view() {
+    StreamerOptions options;
+    options.occlusion = false;
+    return options;
+}
+
 inline StreamerOptions realtime() {
     StreamerOptions options;
     options.wait_for_selection = false;

@@ -1,0 +1,127 @@
+#include "client/stream/occluders.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "client/select/selection.h"
+#include "client/stream/layer_decoder.h"
+#include "client/stream/residency_counters.h"
+#include "codec/mesh/mesh_layer.h"
+
+namespace citystream::client {
+
+using tiles::tileset::Layer;
+
+namespace {
+
+using Triangle = std::array<int32_t, 9>;
+
+/// Squared, of twice the triangle, in grid units.
+double squared_double_area(const Triangle& t) {
+    const std::array<double, 3> a = {static_cast<double>(t[3]) - t[0], static_cast<double>(t[4]) - t[1],
+                                     static_cast<double>(t[5]) - t[2]};
+    const std::array<double, 3> b = {static_cast<double>(t[6]) - t[0], static_cast<double>(t[7]) - t[1],
+                                     static_cast<double>(t[8]) - t[2]};
+    const double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    return x * x + y * y + z * z;
+}
+
+/// The triangles [begin, end) that are large enough, appended.
+void take_large(const codec::mesh::MeshLayerView& mesh, uint32_t begin, uint32_t end, std::vector<Triangle>& out) {
+    const double least = 2 * kLeastOccluderMetres2 * std::pow(kGridUnitsPerMetre, 2);
+    for (uint32_t triangle = begin; triangle < end; ++triangle) {
+        Triangle t{};
+        for (uint32_t corner = 0; corner < 3; ++corner)
+            mesh.position(mesh.index(3 * triangle + corner), &t[size_t{3} * corner]);
+        if (squared_double_area(t) >= least * least) out.push_back(t);
+    }
+}
+
+/// Keeps the largest `count` of [begin, end of the vector), in their order.
+void keep_largest(std::vector<Triangle>& triangles, size_t begin, size_t count) {
+    if (triangles.size() - begin <= count) return;
+    std::vector<double> areas;
+    for (size_t i = begin; i < triangles.size(); ++i) areas.push_back(squared_double_area(triangles[i]));
+    std::nth_element(areas.begin(), areas.begin() + static_cast<ptrdiff_t>(count), areas.end(), std::greater<>());
+    const double least = areas[count];
+    const auto kept = std::remove_if(triangles.begin() + static_cast<ptrdiff_t>(begin), triangles.end(),
+                                     [&](const Triangle& t) { return squared_double_area(t) <= least; });
+    triangles.erase(kept, triangles.end());
+}
+
+}  // namespace
+
+void Occluders::begin_update() {
+    ++update_;
+    for (auto at = tiles_.begin(); at != tiles_.end();) {
+        if (update_ - at->second.drawn_by <= kKeptUpdates) {
+            ++at;
+            continue;
+        }
+        host_.fixed -= at->second.bytes();
+        at = tiles_.erase(at);
+    }
+}
+
+/// Triangles of a prefix; null where they cannot be had.
+Occluders::Surfaces* Occluders::surfaces_of(NodeIndex node, uint32_t count) {
+    const auto found = tiles_.find(node);
+    if (found != tiles_.end() && found->second.steps == count) return &found->second;
+    const CachedLayer* entry = cache_.find(layer_key(node, Layer::kMesh));
+    if (entry == nullptr || count == 0 || entry->wire.size() < count) return nullptr;
+    const auto steps = std::span(directory_.node(node).record->steps(Layer::kMesh)).first(count);
+    uint64_t decoded = 0;
+    for (const auto& step : steps) decoded += step.decoded_bytes;
+    if (!cache_.free_host(2 * decoded + kMostOccluders * 2 * sizeof(Triangle))) return nullptr;
+    const Scratch scratch(host_, 2 * decoded);
+    DecodedPrefix prefix;
+    DecodeFailure failure;
+    if (!decompress_prefix(std::span(entry->wire).first(steps.size()), steps, prefix, failure)) return nullptr;
+    const auto mesh = codec::mesh::MeshLayerView::create(prefix.words, prefix.step_words, kAnyChart);
+    if (!mesh) return nullptr;
+    Surfaces surfaces;
+    surfaces.steps = count;
+    take_large(*mesh, 0, mesh->dressed_begin(), surfaces.triangles);
+    keep_largest(surfaces.triangles, 0, kMostOccluders);
+    surfaces.dressed_begin = static_cast<uint32_t>(surfaces.triangles.size());
+    take_large(*mesh, mesh->dressed_begin(), mesh->triangle_count(), surfaces.triangles);
+    keep_largest(surfaces.triangles, surfaces.dressed_begin, kMostOccluders);
+    surfaces.triangles.shrink_to_fit();
+    Surfaces& kept = tiles_[node];
+    if (found != tiles_.end()) host_.fixed -= kept.bytes();
+    kept = std::move(surfaces);
+    host_.fixed += kept.bytes();
+    host_.note_peak();
+    return &kept;
+}
+
+void Occluders::draw(NodeIndex node, uint32_t steps, bool flat, DepthPicture& picture) {
+    Surfaces* surfaces = surfaces_of(node, steps);
+    if (surfaces == nullptr) return;
+    surfaces->drawn_by = update_;
+    const GridPoint origin = directory_.manifest().tile_origin(*directory_.node(node).record);
+    const size_t count = flat ? surfaces->triangles.size() : surfaces->dressed_begin;
+    for (size_t i = 0; i < count; ++i) {
+        const Triangle& t = surfaces->triangles[i];
+        std::array<std::array<double, 3>, 3> corners{};
+        for (size_t corner = 0; corner < 3; ++corner) {
+            corners[corner] = {to_metres(origin.x + t[3 * corner]), to_metres(origin.y + t[3 * corner + 1]),
+                               to_metres(origin.z + t[3 * corner + 2])};
+        }
+        picture.add(corners);
+    }
+}
+
+void draw_back_of(const codec::facade::Placement& wall, const GridPoint& origin, double depth, DepthPicture& picture) {
+    const double along_x = to_metres(wall.along[0]), along_y = to_metres(wall.along[1]);
+    const double length = std::hypot(along_x, along_y);
+    if (!(length > 0)) return;
+    const double x = to_metres(origin.x + wall.origin[0]) - along_y / length * depth;
+    const double y = to_metres(origin.y + wall.origin[1]) + along_x / length * depth;
+    const double low = to_metres(origin.z + wall.origin[2]), high = low + to_metres(wall.height);
+    const std::array<std::array<double, 3>, 4> corners = {
+        {{x, y, low}, {x + along_x, y + along_y, low}, {x + along_x, y + along_y, high}, {x, y, high}}};
+    picture.add(corners);
+}
+
+}  // namespace citystream::client
