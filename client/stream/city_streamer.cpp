@@ -11,7 +11,7 @@
 #include "client/stream/chart_residency.h"
 #include "client/stream/cover.h"
 #include "client/stream/dictionary_pieces.h"
-#include "client/stream/occluders.h"
+#include "client/stream/occlusion.h"
 #include "client/stream/request_cost.h"
 #include "client/stream/request_plan.h"
 #include "client/stream/setbacks.h"
@@ -35,11 +35,6 @@ constexpr int kMostRounds =
 constexpr std::chrono::milliseconds kWaitSlice{100};
 constexpr uint32_t kUnwantedUpdates =
     2;  // before a request is cancelled: a view that wavers at a threshold wastes no bytes
-
-/// Metres: tiles up to here are chosen first, then up to twice that, ...: those that the nearer ones hide never are.
-constexpr double kFirstHorizon = 32;
-/// Samples by which occluders are taken smaller at most; views of a larger tolerance are chosen without.
-constexpr double kMostOccluderMargin = 8;
 
 double milliseconds_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
@@ -73,7 +68,7 @@ class Streamer final : public CityStreamer {
           maps_(knowledge_, cache_, host_, warnings_, counters_, map_options(options)),
           charts_(knowledge_, cache_, host_, warnings_, counters_, options.decode),
           residency_(directory_, knowledge_, cache_, host_, maps_, charts_, warnings_, counters_, options.decode),
-          occluders_(directory_, cache_, host_),
+          occlusion_(directory_, knowledge_, cache_, host_, residency_, selector_),
           setbacks_(directory_, knowledge_, cache_, warnings_) {
         host_.budget = options.host_budget_bytes;
         host_.fixed = sizeof(*this);
@@ -92,10 +87,6 @@ class Streamer final : public CityStreamer {
     void advance_waiting(const Camera& camera);
     void advance_realtime(const Camera& camera);
     bool fetch_all_in_sight(const Camera& camera);
-    void begin_occlusion(const Camera& camera, double tolerance);
-    void look_everywhere();
-    bool look_farther();
-    void draw_occluders(const SelectedTile& tile);
     void choose(const Camera& camera);
     void pin_root();
     SelectedTile stand_in() const;
@@ -165,10 +156,7 @@ class Streamer final : public CityStreamer {
     MapResidency maps_;
     ChartResidency charts_;
     TileResidency residency_;
-    Occluders occluders_;
-    DepthPicture picture_;
-    double horizon_ = 0;              ///< metres
-    std::vector<uint8_t> occluding_;  ///< by node: drawn to the picture
+    Occlusion occlusion_;
     Setbacks setbacks_;
     Selection selection_;
     std::vector<SelectedTile> needed_;        ///< the selection, and in realtime mode the root
@@ -200,7 +188,7 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
     host_.forget_peaks();
     cache_.begin_update();
     ++update_;
-    occluders_.begin_update();
+    occlusion_.begin_update();
     setbacks_.retry_due();
     if (options_.wait_for_selection) {
         advance_waiting(camera);
@@ -230,18 +218,18 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
 void Streamer::advance_waiting(const Camera& camera) {
     double tolerance = options_.tolerance_pixels;
     do {
-        begin_occlusion(camera, tolerance);
+        if (options_.occlusion && options_.decode) occlusion_.begin(camera, tolerance);
         if (!fetch_all_in_sight(camera)) {
-            look_everywhere();
+            occlusion_.look_everywhere();
             choose(camera);
             upload_all();
             return;
         }
-    } while (std::isfinite(horizon_) && selection_.tolerance > std::exchange(tolerance, selection_.tolerance));
+    } while (occlusion_.is_on() && selection_.tolerance > std::exchange(tolerance, selection_.tolerance));
     const bool drawable = std::all_of(selection_.tiles.begin(), selection_.tiles.end(),
                                       [&](const SelectedTile& tile) { return residency_.drawable(tile.node); });
-    if (drawable) return;
-    look_everywhere();
+    if (drawable || !occlusion_.is_on()) return;
+    occlusion_.look_everywhere();
     (void)fetch_all_in_sight(camera);
 }
 
@@ -257,70 +245,12 @@ bool Streamer::fetch_all_in_sight(const Camera& camera) {
         if (dictionary_changes() != known) continue;
         const std::vector<PlannedRequest> requests = plan(camera, true);
         if (requests.empty()) {
-            if (!look_farther()) return true;
+            if (!occlusion_.look_farther(selection_)) return true;
         } else if (!drain(requests)) {
             return false;
         }
     }
     return false;
-}
-
-/// A picture of nothing, and a near horizon; without occlusion neither.
-void Streamer::begin_occlusion(const Camera& camera, double tolerance) {
-    const double margin = 1 + std::ceil(tolerance);
-    if (!options_.occlusion || !options_.decode || margin > kMostOccluderMargin) {
-        look_everywhere();
-        return;
-    }
-    picture_.begin(camera, static_cast<uint32_t>(margin));
-    occluding_.assign(directory_.nodes().size(), 0);
-    horizon_ = kFirstHorizon;
-    selector_.look_past(&picture_, horizon_);
-}
-
-/// For views of which not all is here: nothing may be left out, as what would hide it may not be drawn.
-void Streamer::look_everywhere() {
-    horizon_ = std::numeric_limits<double>::infinity();
-    selector_.look_past(nullptr, horizon_);
-}
-
-/// The chosen tiles, which are all here, hide some of those farther away. False: there are none.
-bool Streamer::look_farther() {
-    if (!selection_.beyond_horizon) return false;
-    occluding_.resize(directory_.nodes().size(), 0);
-    for (const SelectedTile& tile : selection_.tiles) {
-        if (std::exchange(occluding_[tile.node], uint8_t{1}) == 0) draw_occluders(tile);
-    }
-    picture_.finish();
-    horizon_ *= 2;
-    selector_.look_past(&picture_, horizon_);
-    return true;
-}
-
-/// As add_draw will draw the tile.
-void Streamer::draw_occluders(const SelectedTile& tile) {
-    if (!residency_.drawable(tile.node) || !residency_.has_mesh(tile.node)) return;
-    bool relief = false;
-    TileDraw draw;
-    std::vector<PlacementLevel> levels;
-    if (tile.has_relief()) {
-        levels = selector_.placement_levels_of(tile.node, selection_.tolerance);
-        relief = !levels.empty() && residency_.add_relief(tile.node, levels, draw);
-    }
-    const CachedLayer& mesh = cache_.at(layer_key(tile.node, Layer::kMesh));
-    const uint32_t drawn_steps = std::min<uint32_t>(tile.steps_of(Layer::kMesh), mesh.store_steps);
-    occluders_.draw(tile.node, drawn_steps, !relief, picture_);
-    if (!relief) return;
-    const GridPoint origin = directory_.manifest().tile_origin(*directory_.node(tile.node).record);
-    const auto& placements = knowledge_.tiles[tile.node].placements;
-    for (size_t i = 0; i < placements.size(); ++i) {
-        const FacadeMapBinding& map = draw.facade_maps[draw.map_of_placement[i]];
-        const MapPiece piece = map_piece(map.map, map.level);
-        if (!knowledge_.dictionary.opaque(piece)) continue;
-        const double lowest = knowledge_.dictionary.record(map.map).depth_min_mm * 0.001 -
-                              static_cast<double>(knowledge_.dictionary.record_of(piece).displacement_error);
-        draw_back_of(placements[i], origin, std::max(0.0, -lowest), picture_);
-    }
 }
 
 void Streamer::advance_realtime(const Camera& camera) {
