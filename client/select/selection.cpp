@@ -86,13 +86,12 @@ const Selector::View& Selector::view_of(NodeIndex index) {
     const auto& bounds = directory_.node(index).record->bounds;
     view.stamp = view_stamp_;
     view.visible = camera_.sees(bounds, directory_.origin());
-    view.hidden = view.beyond = false;
+    view.hidden = false;
     if (!view.visible) return view;
-    const double distance = std::max(camera_.distance_to(bounds, directory_.origin()), camera_.near_plane);
-    view.pixels_per_metre = camera_.pixels_per_metre(distance);
+    view.distance = std::max(camera_.distance_to(bounds, directory_.origin()), camera_.near_plane);
+    view.pixels_per_metre = camera_.pixels_per_metre(view.distance);
     view.hidden = picture_ != nullptr && picture_->hides(bounds, directory_.origin());
     view.visible = !view.hidden;
-    view.beyond = view.visible && distance > horizon_;
     return view;
 }
 
@@ -101,8 +100,11 @@ const Selector::View& Selector::view_of(NodeIndex index) {
 bool Selector::visit(NodeIndex index, Selection& out) {
     const View view = view_of(index);
     if (view.hidden) ++out.hidden;
-    if (view.beyond) out.beyond_horizon = true;
-    if (!view.visible || view.beyond) return true;
+    if (!view.visible) return true;
+    if (view.distance > horizon_) {
+        out.nearest_beyond = std::min(out.nearest_beyond, view.distance);
+        return true;
+    }
     const DirectoryNode& node = directory_.node(index);
     const bool good_enough = node.record->geometric_error * view.pixels_per_metre <= out.tolerance;
     if (good_enough || node.is_leaf() || node.broken_children != 0) {

@@ -43,9 +43,10 @@ struct Selection {
     std::vector<tiles::tileset::TileAddress> subtrees;  ///< not loaded yet, but needed to refine
     SelectionCost cost;
     bool relief_left_out = false;  ///< relief of some tiles is drawn flat, for the budgets do not hold it
-    bool beyond_horizon = false;   ///< tiles beyond the selector's horizon were left out
-    uint64_t hidden = 0;           ///< tiles of the directory's walk that lie behind the depth picture, with all below
-    bool fits = true;              ///< false: even the coarsest choice breaks a budget, and far tiles were left out
+    /// Metres to the nearest tile that was left out as it lies beyond the selector's horizon; infinite: none was.
+    double nearest_beyond = std::numeric_limits<double>::infinity();
+    uint64_t hidden = 0;  ///< tiles of the directory's walk that lie behind the depth picture, with all below
+    bool fits = true;     ///< false: even the coarsest choice breaks a budget, and far tiles were left out
 };
 
 /// Limits of a selection. Wire bytes of all that is selected are kept in host memory beside `2 x largest_decoded`.
@@ -87,8 +88,8 @@ class Selector {
   private:
     struct View {
         uint64_t stamp = 0;
-        bool visible = false, hidden = false, beyond = false;
-        double pixels_per_metre = 0;
+        bool visible = false, hidden = false;
+        double distance = 0, pixels_per_metre = 0;  ///< metres to the nearest point
     };
     const View& view_of(NodeIndex node);
     bool visit(NodeIndex node, Selection& out);

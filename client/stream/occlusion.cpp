@@ -32,13 +32,16 @@ void Occlusion::look_everywhere() {
 }
 
 bool Occlusion::look_farther(const Selection& selection) {
-    if (!selection.beyond_horizon) return false;
+    if (!std::isfinite(selection.nearest_beyond)) return false;
     drawn_.resize(directory_.nodes().size(), 0);
+    bool drawn = false;
     for (const SelectedTile& tile : selection.tiles) {
-        if (std::exchange(drawn_[tile.node], uint8_t{1}) == 0) draw(tile, selection.tolerance);
+        if (std::exchange(drawn_[tile.node], uint8_t{1}) != 0) continue;
+        draw(tile, selection.tolerance);
+        drawn = true;
     }
-    picture_.finish();
-    horizon_ *= 2;
+    if (drawn) picture_.finish();
+    horizon_ = std::max(2 * horizon_, selection.nearest_beyond);
     selector_.look_past(&picture_, horizon_);
     return true;
 }

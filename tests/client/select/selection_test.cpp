@@ -108,12 +108,13 @@ TEST(Selection, TilesBeyondTheHorizonAreLeftOutAndItSaysSo) {
     Selector selector(all.directory, all.knowledge);
     const Camera camera = all.city.camera(512, 10, 20, 0, -5);
     const Selection everything = selector.select(camera, 1, 4096);
-    EXPECT_FALSE(everything.beyond_horizon);
+    EXPECT_TRUE(std::isinf(everything.nearest_beyond));
     size_t before = 0;
     for (double horizon = 16; horizon < 4096; horizon *= 4) {
         selector.look_past(nullptr, horizon);
         const Selection near = selector.select(camera, 1, 4096);
-        EXPECT_EQ(near.beyond_horizon, near.tiles.size() < everything.tiles.size());
+        EXPECT_EQ(std::isfinite(near.nearest_beyond), near.tiles.size() < everything.tiles.size());
+        EXPECT_GT(near.nearest_beyond, horizon);
         EXPECT_GE(near.tiles.size(), before);
         before = near.tiles.size();
         for (const SelectedTile& tile : near.tiles) {
