@@ -119,7 +119,7 @@ TEST_F(SharedCharts, TheFinestThatAnyTileAsksForIsStored) {
     wish(0, image, 3, 64);
     wish(1, image, 1, 1024);
     wish(2, image, 2, 256);
-    wish(3, image, 1, 1024);
+    for (const uint64_t tile : {3, 4, 5, 6}) wish(tile, image, 1, 1024);
     Made made = make();
     ASSERT_EQ(made.dictionary.records().size(), 1U);
     EXPECT_EQ(made.dictionary.records()[0].width, kSide / 2);
