@@ -15,6 +15,7 @@
 namespace citystream::client {
 namespace {
 
+using test::draw_of;
 using test::Flight;
 using test::Layer;
 using test::realtime;
@@ -43,14 +44,6 @@ constexpr TileAddress kTile = {3, 0, 0};
 /// 16.7 m.
 Camera camera_at(const SyntheticCity& city, double metres) {
     return city.camera(30, -metres, 8, 0, 0);
-}
-
-const TileDraw* draw_of(const SyntheticCity& city, const std::vector<TileDraw>& draws, TileAddress address) {
-    const GridPoint origin = city.manifest.tile_origin(city.tile(address));
-    for (const TileDraw& draw : draws) {
-        if (draw.origin[0] == to_metres(origin.x) && draw.origin[1] == to_metres(origin.y)) return &draw;
-    }
-    return nullptr;
 }
 
 using Levels = std::map<uint32_t, uint32_t>;

@@ -36,6 +36,15 @@ struct Flight {
     StreamerFrame frame;
 };
 
+/// The draw of a tile; null when it is not among them.
+inline const TileDraw* draw_of(const SyntheticCity& city, const std::vector<TileDraw>& draws, TileAddress address) {
+    const GridPoint origin = city.manifest.tile_origin(city.tile(address));
+    for (const TileDraw& draw : draws) {
+        if (draw.origin[0] == to_metres(origin.x) && draw.origin[1] == to_metres(origin.y)) return &draw;
+    }
+    return nullptr;
+}
+
 /// Chooses a view at once, whatever hides what.
 inline StreamerOptions whole_view() {
     StreamerOptions options;
