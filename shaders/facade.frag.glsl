@@ -17,7 +17,7 @@
 #include "codec/facade/facade_layout.h"
 #include "shaders/draw_constants.glsl"
 #include "shaders/facade_cast.glsl"
-#include "shaders/facade_margin.glsl"
+#include "shaders/facade_edge.glsl"
 #include "shaders/facade_samples.glsl"
 #include "shaders/lighting.glsl"
 #include "shaders/tile_chart.glsl"
@@ -52,9 +52,6 @@ void write_hit(float depth, vec4 colour) {
     colour_out = colour;
 }
 #endif
-
-// Of two surfaces in one plane, the one that is seen through a facade's edge, inside the neighbouring facade's wall, yields.
-const float kEdgeYields = 0.999;
 
 // How the hit moves from pixel to pixel: neighbouring rays meet the plane of the hit. Smooth over edges of the relief, unlike differences of hits.
 vec3 hit_gradient(vec3 ray, vec3 ray_change, int axis, float t) {

@@ -10,7 +10,7 @@
 
 #include "shaders/draw_constants.glsl"
 #include "shaders/facade_cast.glsl"
-#include "shaders/facade_margin.glsl"
+#include "shaders/facade_edge.glsl"
 #include "shaders/facade_placement.glsl"
 
 layout(location = 0) out vec3 place;                 // facade space

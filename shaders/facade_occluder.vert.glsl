@@ -5,6 +5,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 
+#include "shaders/facade_edge.glsl"
 #include "shaders/facade_placement.glsl"
 
 // Inside the edges (texels), and behind the relief's own hits (millimetres), whatever is rounded.
@@ -21,8 +22,9 @@ void main() {
     // Hits nearer than the near plane are not drawn: from there on the back hides nothing.
     if (camera.z < map_depth_max(map) + near_reach() * 1010.0) return;
     vec2 corner = vec2((gl_VertexIndex & 1) != 0 ? wall.size.x - kShrink : kShrink, (gl_VertexIndex & 2) != 0 ? wall.size.y - kShrink : kShrink);
-    // Moved back along the rays, not along the wall's normal: a ray that passes beside the volume must not meet it.
+    // Moved back along the rays, not along the wall's normal: a ray that passes beside the volume must not meet it. Farther than hits at the edges,
+    // which yield: where walls meet at less than a right angle, the end of one stands out of the other's front and hides it.
     float back = map_depth_min(map);
-    float moved = (camera.z - back + kBehind) / (camera.z - back);
+    float moved = (camera.z - back + kBehind) / (camera.z - back) / kEdgeYields;
     gl_Position = project(moved * wall_metres(wall, vec3(corner, back)));
 }

@@ -293,6 +293,50 @@ TEST(FacadePass, NoBackHidesTheRecessBesideIt) {
     }
 }
 
+// Two walls around an edge, seen from where both show: near and far, at blunt and sharp angles. Where they meet at less
+// than a right angle, the end of each stands out of the other's front.
+TEST(FacadePass, EdgesOfFarBlocksHaveNoGaps) {
+    constexpr double kPi = 3.14159265358979323846;
+    constexpr uint32_t kWidth = 320, kHeight = 240;
+    const uint32_t frame = codec::facade::make_label(0, 1), glass = codec::facade::make_label(-250, 3);
+    const codec::facade::RunGrid framed = {
+        {0, 60, 540, 600}, {0, 60, 340, 400}, {frame, frame, frame, frame, glass, frame, frame, frame, frame}};
+    RendererOptions options = options_for(FacadeRenderer::kPatch);
+    options.background = {1, 0, 1, 1};
+    const auto renderer = make_renderer(options);
+    ASSERT_NE(renderer, nullptr);
+    for (const double interior : {50.0, 84.0, 90.0, 91.0, 140.0, 175.0}) {
+        // The edge stands at the origin; the walls run back from it to both sides.
+        const double half = interior / 2 * kPi / 180;
+        const std::array<double, 2> left = {-6 * std::sin(half), 6 * std::cos(half)};
+        const std::array<double, 2> right = {-left[0], left[1]};
+        const Wall walls[2] = {{{left[0], left[1], 0}, {-left[0], -left[1]}, 4}, {{0, 0, 0}, right, 4}};
+        const FacadeScene scene = facade_scene(*renderer, FacadeRenderer::kPatch, framed, walls);
+        for (int i = 0; i < 40; ++i) {
+            const double distance = 8 * std::pow(60.0, i / 39.0);
+            const double turn = std::min(half, kPi / 2 - half / 2) * 0.8 * std::sin(i * 1.7);
+            const Vec3 position = {distance * std::sin(turn), -distance * std::cos(turn), 1.7 + i % 3};
+            // Pixels of a street view: a thousandth of the distance.
+            const Camera camera = make_camera(position, -turn * 180 / kPi, 0, kWidth, kHeight, 0.24 * 180 / kPi);
+            const FrameImage image = draw_or_fail(*renderer, camera, std::span(&scene.tile, 1));
+            // What is seen of the walls along the horizon of the camera, which is below their tops.
+            for (uint32_t y = kHeight / 2; y < kHeight / 2 + 3; ++y) {
+                uint32_t first = kWidth, last = 0;
+                for (uint32_t x = 0; x < kWidth; ++x) {
+                    if (pixel(image, x, y) == std::array<int, 3>{255, 0, 255}) continue;
+                    first = std::min(first, x);
+                    last = x;
+                }
+                ASSERT_LT(first, last) << interior << " degrees, view " << i;
+                for (uint32_t x = first; x <= last; ++x)
+                    ASSERT_NE(pixel(image, x, y), (std::array<int, 3>{255, 0, 255}))
+                        << interior << " degrees, view " << i << ": " << x << ", " << y;
+            }
+        }
+    }
+    EXPECT_EQ(renderer->validation_messages(), 0u);
+}
+
 // Four equal walls around a block, a roof and the ground: from outside no pixel between them shows the background.
 TEST(FacadePass, CornersOfABuildingHaveNoGaps) {
     RendererOptions options = options_for(FacadeRenderer::kPatch);
