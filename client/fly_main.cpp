@@ -41,9 +41,10 @@ extern "C" void request_stop(int) {
 struct FlyOptions {
     std::string place, path, frames_folder, video, stats,
         size = "1280x720", gpu_budget = "512MiB", host_budget = "1GiB", mode = "offline", network, device, reference,
-        facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)}, map_level = "auto", occlusion = "on";
+        facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)}, map_level = "auto", occlusion = "on",
+        chart_transport{chart_transport_name(ChartTransport::kTable)};
     double tolerance = 1, fps = 10;
-    std::optional<double> relief_tolerance;
+    std::optional<double> relief_tolerance, texel_tolerance;
     uint32_t supersample = 1, facade_samples = kFacadeSamples;
     bool list_devices = false, validation = false, json = false;
     // Parsed:
@@ -51,6 +52,7 @@ struct FlyOptions {
     uint64_t gpu_bytes = 0, host_bytes = 0;
     std::optional<NetworkShape> shape;
     FacadeRenderer renderer = FacadeRenderer::kPatch;
+    ChartTransport transport = ChartTransport::kTable;
     ReliefOptions relief;
 };
 
@@ -100,6 +102,9 @@ Status parse_values(FlyOptions& options) {
     const auto renderer = facade_renderer_named(options.facade_renderer);
     if (!renderer) return Error{"--facade-renderer: there is no " + options.facade_renderer};
     options.renderer = *renderer;
+    const auto transport = chart_transport_named(options.chart_transport);
+    if (!transport) return Error{"--chart-transport: there is no " + options.chart_transport};
+    options.transport = *transport;
     const auto relief = parse_relief_options(options.map_level, options.relief_tolerance);
     if (!relief) return relief.error();
     options.relief = *relief;
@@ -273,9 +278,11 @@ FlightDescription describe(const FlyOptions& options, const std::string& device)
     description.height = options.height;
     description.tolerance_pixels = options.tolerance;
     description.relief_tolerance_pixels = options.relief_tolerance.value_or(options.tolerance);
+    description.texel_tolerance_pixels = options.texel_tolerance.value_or(options.tolerance);
     description.map_level = options.map_level;
     description.facade_renderer = options.facade_renderer;
     description.facade_samples = options.facade_samples;
+    description.chart_transport = options.chart_transport;
     description.occlusion = options.occlusion == "on" && options.mode == "offline";
     description.frames_per_second = options.fps;
     description.gpu_budget_bytes = options.gpu_bytes;
@@ -311,11 +318,13 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
     renderer_options.validation = options.validation;
     renderer_options.facade_renderer = options.renderer;
     renderer_options.facade_samples = options.facade_samples;
+    renderer_options.chart_transport = options.transport;
     auto renderer = VulkanRenderer::create(renderer_options);
     if (!renderer) return fail(renderer.error().text());
 
     StreamerOptions streamer_options;
     streamer_options.tolerance_pixels = options.tolerance;
+    streamer_options.texel_tolerance_pixels = options.texel_tolerance;
     streamer_options.host_budget_bytes = options.host_bytes;
     streamer_options.wait_for_selection = options.mode == "offline";
     streamer_options.relief = options.relief;
@@ -343,6 +352,7 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
         auto image = (*renderer)->draw(camera, draws, &frame.timings);
         if (!image) return fail(fmt::format("frame {}: {}", index, image.error().text()));
         frame.total_ms = milliseconds_since(begin);
+        frame.counts = (*renderer)->counts();
         for (const std::string& warning : frame.stream.warnings) {
             fmt::print(stderr, "citystream-fly: warning: {}\n", warning);
         }
@@ -424,6 +434,10 @@ void add_options(CLI::App& app, FlyOptions& options) {
     app.add_option("--relief-tolerance", options.relief_tolerance,
                    "facade relief that projects to fewer pixels is drawn flat (default: --tolerance)")
         ->check(CLI::Range(0.01, 1e6));
+    app.add_option("--texel-tolerance", options.texel_tolerance,
+                   "largest size of a texel in pixels, of pictures that are not shown as fine as they are (default: "
+                   "--tolerance)")
+        ->check(CLI::Range(0.01, 1e6));
     app.add_option("--map-level", options.map_level,
                    "level of every facade map, 0 the coarsest; auto: as coarse as --tolerance lets it be")
         ->capture_default_str()
@@ -436,6 +450,11 @@ void add_options(CLI::App& app, FlyOptions& options) {
                    "from shimmering")
         ->capture_default_str()
         ->check(CLI::IsMember(kFacadeSampleCounts));
+    app.add_option("--chart-transport", options.chart_transport,
+                   "how a triangle's chart in a page comes to the vertex shader (archives of --atlas-form pages): same "
+                   "frames, other memory and time")
+        ->capture_default_str()
+        ->check(CLI::IsMember(chart_transport_names()));
     app.add_option("--occlusion", options.occlusion,
                    "on: what near surfaces hide is neither fetched nor drawn (offline mode)")
         ->capture_default_str()

@@ -7,10 +7,13 @@
 #include <cctype>
 #include <filesystem>
 #include <optional>
+#include <string_view>
 
 #include "client/report/report_files.h"
 #include "client/report/sweep.h"
+#include "client/report/variants.h"
 #include "client/select/relief_arguments.h"
+#include "codec/atlas/image_metric.h"
 
 namespace {
 
@@ -23,7 +26,9 @@ struct Arguments {
     SweepOptions sweep;
     std::string path_file, folder, size = "1280x720";
     std::vector<double> tolerances;  ///< kUsualTolerances when no knob is given
-    std::vector<double> gpu_budgets_mib, relief_tolerances;
+    std::vector<double> gpu_budgets_mib, relief_tolerances, texel_tolerances;
+    std::vector<uint32_t> rate_distortions;
+    std::vector<std::string> saliencies, build;
     std::vector<std::string> map_levels, facade_renderers, facade_samples, also;
     std::string map_level = "auto", facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)};
     std::optional<double> relief_tolerance;
@@ -72,9 +77,12 @@ Result<std::vector<Setting>> settings_of(const Arguments& arguments) {
     add_numbers("tolerance", arguments.tolerances);
     add_numbers("gpu-budget", arguments.gpu_budgets_mib);
     add_numbers("relief-tolerance", arguments.relief_tolerances);
+    add_numbers("texel-tolerance", arguments.texel_tolerances);
     add_names("map-level", arguments.map_levels);
     add_names("facade-renderer", arguments.facade_renderers);
     add_names("facade-samples", arguments.facade_samples);
+    add_names("saliency", arguments.saliencies);
+    add_numbers("rate-distortion", {arguments.rate_distortions.begin(), arguments.rate_distortions.end()});
     if (!arguments.also.empty()) settings.push_back({"archive", 0, "as given", arguments.sweep.city});
     for (const std::string& text : arguments.also) {
         auto archive = parse_archive(text);
@@ -89,10 +97,23 @@ Result<std::vector<Setting>> settings_of(const Arguments& arguments) {
     return settings;
 }
 
+/// Settings that are built need to know how, and to be ones that the builder takes.
+Status check_build(const Arguments& arguments) {
+    for (const std::string& text : arguments.saliencies) {
+        if (const auto metric = codec::atlas::parse_metric(text); !metric)
+            return Error{"--saliencies " + text + ": " + metric.error().text()};
+    }
+    if ((arguments.saliencies.empty() && arguments.rate_distortions.empty()) || !arguments.build.empty()) return Done{};
+    return Error{
+        "--saliencies and --rate-distortions build the city: say how behind --, as citystream-build is called but "
+        "without -o"};
+}
+
 int run(Arguments& arguments) {
     SweepOptions& sweep = arguments.sweep;
-    const auto settings = settings_of(arguments);
+    auto settings = settings_of(arguments);
     if (!settings) return complain(settings.error().text());
+    if (Status good = check_build(arguments); !good) return complain(good.error().text());
     const auto relief = parse_relief_options(arguments.map_level, arguments.relief_tolerance);
     if (!relief) return complain(relief.error().text());
     sweep.relief = *relief;
@@ -114,6 +135,9 @@ int run(Arguments& arguments) {
     if (failed) return complain(fmt::format("{}: {}", sweep.picture_folder, failed.message()));
     if (isatty(STDERR_FILENO)) sweep.progress = [](const std::string& line) { fmt::print(stderr, "\r\033[K{}", line); };
 
+    VariantOptions variants{find_builder(), arguments.build,
+                            (std::filesystem::path(arguments.folder) / "archives").string(), sweep.progress};
+    if (Status built = build_variants(variants, *settings); !built) return complain(built.error().text());
     auto result = run_sweep(sweep, *settings);
     if (sweep.progress) fmt::print(stderr, "\r\033[K");
     if (!result) return complain(result.error().text());
@@ -135,7 +159,10 @@ int main(int argc, char** argv) {
         "reference renderer.\n"
         "Examples: citystream-report city.3tz --path tour.csv --tolerances 0.5,1,2,4 -o report\n"
         "          citystream-report city.3tz --path tour.csv --map-levels auto,0,1,2,3 --facade-renderers patch,fdm "
-        "--also merged-2mm=merged.3tz -o report"};
+        "--also merged-2mm=merged.3tz -o report\n"
+        "          citystream-report city.3tz --path tour.csv --saliencies none,ssim:0.99,flip:0.05 --rate-distortions "
+        "0,4,16 "
+        "-o report -- generate --buildings 1000 --textures 100"};
     app.set_version_flag("--version", CITYSTREAM_VERSION);
     app.add_option("city", arguments.sweep.city, "A .3tz file, an unpacked folder or a URL")->required();
     app.add_option("--path", arguments.path_file, "Camera path (CSV: t,x,y,z,yaw,pitch,fov)")->required();
@@ -156,6 +183,18 @@ int main(int argc, char** argv) {
     app.add_option("--relief-tolerances", arguments.relief_tolerances, "Pixels below which relief is drawn flat")
         ->delimiter(',')
         ->check(CLI::Range(0.01, 1000.0));
+    app.add_option("--texel-tolerances", arguments.texel_tolerances, "Largest sizes of texels in pixels")
+        ->delimiter(',')
+        ->check(CLI::Range(0.01, 1000.0));
+    app.add_option("--saliencies", arguments.saliencies,
+                   "How much images may lose to become smaller, as --saliency of citystream-build: none,ssim:0.99; the "
+                   "city is built for each")
+        ->delimiter(',');
+    app.add_option("--rate-distortions", arguments.rate_distortions,
+                   "Squared errors that a bit of pictures is worth, as --rate-distortion of citystream-build; the city "
+                   "is built for each")
+        ->delimiter(',')
+        ->check(CLI::Range(0, 1 << 20));
     app.add_option("--map-levels", arguments.map_levels, "Levels of all facade maps: auto, 0 (the coarsest) to 3")
         ->delimiter(',')
         ->check(CLI::IsMember(map_level_names()));
@@ -175,6 +214,9 @@ int main(int argc, char** argv) {
     app.add_option("--relief-tolerance", arguments.relief_tolerance,
                    "Relief tolerance of the other knobs' settings (default: their tolerance)")
         ->check(CLI::Range(0.01, 1000.0));
+    app.add_option("--texel-tolerance", arguments.sweep.texel_tolerance_pixels,
+                   "Texel tolerance of the other knobs' settings (default: their tolerance)")
+        ->check(CLI::Range(0.01, 1000.0));
     app.add_option("--map-level", arguments.map_level, "Map level of the other knobs' settings")
         ->check(CLI::IsMember(map_level_names()))
         ->capture_default_str();
@@ -186,8 +228,15 @@ int main(int argc, char** argv) {
         ->capture_default_str();
     app.add_option("--device", arguments.sweep.device, "Vulkan device (index or part of its name)");
     app.add_flag("--json", arguments.json, "Print report.json instead of the page's name");
+    app.footer(
+        "Behind --: what citystream-build makes the city of (inputs and options without -o), for --saliencies and "
+        "--rate-distortions.");
+    // Taken away before CLI11 reads the rest: it would look for its own options there, too.
+    char** const mark =
+        std::find_if(argv, argv + argc, [](const char* word) { return std::string_view(word) == "--"; });
+    if (mark != argv + argc) arguments.build.assign(mark + 1, argv + argc);
     try {
-        app.parse(argc, argv);
+        app.parse(static_cast<int>(mark - argv), argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }

@@ -11,6 +11,10 @@ layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer Fac
 
 layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer PlacementMaps { uint entry[]; };
 
+// Of the pipeline: the tile's atlas is in pages, and how the mesh pass gets the frames of charts in them.
+layout(constant_id = PAGES_CONSTANT) const bool kPages = false;
+layout(constant_id = CHART_TRANSPORT_CONSTANT) const uint kTransport = CHART_TRANSPORT_TABLE;
+
 layout(push_constant) uniform Constants { DrawConstants constants; };
 
 bool has_atlas() { return (constants.tile.atlas[0] | constants.tile.atlas[1]) != 0u; }

@@ -20,6 +20,7 @@
 #include "shaders/facade_edge.glsl"
 #include "shaders/facade_samples.glsl"
 #include "shaders/lighting.glsl"
+#include "shaders/page_chart.glsl"
 #include "shaders/tile_chart.glsl"
 
 layout(location = 0) in vec3 place;
@@ -70,6 +71,10 @@ vec3 hit_texel(uint slot, vec2 at, vec2 dx, vec2 dy) {
     uint entry = palette + min(slot, uint(FACADE_PALETTE_SLOTS) - 1u) * FACADE_PALETTE_ENTRY_WORDS;
     float metres_per_repeat = uintBitsToFloat(layer_word(facade, entry + 1u));
     float repeats_per_texel = metres_per_repeat > 0.0 ? 0.01 / metres_per_repeat : 0.0;
+    if (kPages) {
+        PageSurface surface = surface_of_chart(layer_word(facade, entry));
+        return sample_surface(surface, at * repeats_per_texel, dx * repeats_per_texel, dy * repeats_per_texel);
+    }
     return sample_chart(tile_chart(layer_word(facade, entry)), at * repeats_per_texel, dx * repeats_per_texel,
                         dy * repeats_per_texel);
 }

@@ -7,6 +7,7 @@
 #include "shaders/atlas_sample.glsl"
 #include "shaders/draw_constants.glsl"
 #include "shaders/lighting.glsl"
+#include "shaders/page_chart.glsl"
 
 layout(location = 0) in vec3 normal;
 layout(location = 1) in vec2 texcoord;
@@ -19,9 +20,15 @@ void main() {
     vec2 dx = dFdx(texcoord);
     vec2 dy = dFdy(texcoord);
     vec3 texel = kUntexturedColour;
-    if (has_atlas()) {
+    if (kPages) {
+        texel = sample_surface(PageSurface(chart_place, chart_words), texcoord, dx, dy);
+    } else if (has_atlas()) {
         AtlasChart chart =
-            AtlasChart(chart_place.xy, chart_place.z, chart_words.x, chart_words.y, chart_words.z, chart_words.w);
+            AtlasChart(chart_place.xy, uintBitsToFloat(chart_place.z), chart_words.x, chart_words.y, chart_words.z, chart_words.w);
+        if (kAlphaTest && has_alpha(chart) && sample_alpha(chart, texcoord, dx, dy) < 0.5) {
+            discard;
+            return;
+        }
         texel = sample_chart(chart, texcoord, dx, dy);
     }
     colour = lit(texel, normalize(normal));

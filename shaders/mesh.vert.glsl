@@ -5,11 +5,12 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 
 #include "shaders/mesh_fetch.glsl"
+#include "shaders/page_corner.glsl"
 #include "shaders/tile_chart.glsl"
 
 layout(location = 0) out vec3 normal;
 layout(location = 1) out vec2 texcoord;
-layout(location = 2) flat out uvec3 chart_place;  // of the triangle's chart: layer, finest mip
+layout(location = 2) flat out uvec3 chart_place;  // of the triangle's chart: layer, finest mip; PageSurface.place
 layout(location = 3) flat out uvec4 chart_words;  // the rest of it
 
 void main() {
@@ -26,16 +27,17 @@ void main() {
     texcoord = vec2(0.0);
     chart_place = uvec3(0u);
     chart_words = uvec4(0u);
-    if (has_atlas()) {
+    if (kPages) {
+        PageCorner shown = page_corner(mesh, widths, corner, vertex);
+        texcoord = shown.place;
+        chart_place = shown.surface.place;
+        chart_words = shown.surface.frame;
+    } else if (has_atlas()) {
         uint entry = mesh_chart_entry(mesh, widths, corner / 3u);
         AtlasChart chart = tile_chart(layer_word(mesh, entry + MESH_CHART_ATLAS));
-        // Whole repeats of a repeated chart are left out, the same for all three corners: floats keep their bits for the fraction.
-        ivec2 base = ivec2(layer_word(mesh, entry + MESH_CHART_BASE_U), layer_word(mesh, entry + MESH_CHART_BASE_V));
-        ivec2 repeats = base & ~0xffff;
-        if ((chart.flags & ATLAS_CHART_REPEAT_U) == 0u) repeats.x = 0;
-        if ((chart.flags & ATLAS_CHART_REPEAT_V) == 0u) repeats.y = 0;
-        texcoord = vec2(mesh_texcoord(mesh, entry, vertex) - repeats) * (1.0 / 65536.0);
-        chart_place = uvec3(chart.atlas, chart.finest_mip);
+        bvec2 repeats = bvec2((chart.flags & ATLAS_CHART_REPEAT_U) != 0u, (chart.flags & ATLAS_CHART_REPEAT_V) != 0u);
+        texcoord = mesh_place(mesh, entry, vertex, repeats);
+        chart_place = uvec3(chart.atlas, floatBitsToUint(chart.finest_mip));
         chart_words = uvec4(chart.index, chart.size, chart.flags, chart.mip_table);
     }
 }

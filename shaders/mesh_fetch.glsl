@@ -62,4 +62,12 @@ ivec2 mesh_texcoord(uvec2 mesh, uint chart_entry, uint vertex) {
                  layer_word(mesh, chart_entry + MESH_CHART_BASE_V) + ((q >> 16) << (shifts >> 8)));
 }
 
+// The same in repeats. Whole repeats along an axis that repeats are left out, the same for all corners of the chart in this mesh: floats keep
+// their bits for the fraction.
+vec2 mesh_place(uvec2 mesh, uint chart_entry, uint vertex, bvec2 axis_repeats) {
+    ivec2 base = ivec2(layer_word(mesh, chart_entry + MESH_CHART_BASE_U), layer_word(mesh, chart_entry + MESH_CHART_BASE_V));
+    ivec2 left_out = ivec2(axis_repeats.x ? base.x & ~0xffff : 0, axis_repeats.y ? base.y & ~0xffff : 0);
+    return vec2(mesh_texcoord(mesh, chart_entry, vertex) - left_out) * (1.0 / 65536.0);
+}
+
 #endif

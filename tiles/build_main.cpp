@@ -14,6 +14,7 @@
 #include <optional>
 #include <sstream>
 
+#include "codec/atlas/page_layout.h"
 #include "tiles/city/city_input.h"
 #include "tiles/city/generator.h"
 #include "tiles/city/generator_walls.h"
@@ -39,12 +40,15 @@ struct Arguments {
     std::string output, reference, report, lod, ground = "auto", memory = "2GiB", layers = "mesh,facade,atlas", archive;
     uint32_t jobs = 0;
     city::GeneratorOptions generator;
-    std::string origin = "0,0", saliency = codec::atlas::to_string(layers::BuildOptions().saliency);
+    std::string origin = "0,0", texture_law = layers::to_string(layers::BuildOptions().texture_law),
+                saliency = codec::atlas::to_string(layers::BuildOptions().saliency);
     std::vector<std::string> aerial;
     std::optional<uint64_t> dress_seed;
     bool no_extract_relief = false;
-    std::string shared_charts = layers::BuildOptions().shared_charts ? "on" : "off";
+    std::string atlas_form = "charts";
+    std::optional<std::string> shared_charts;  ///< not given: what goes with the form
     uint32_t merge_tolerance_mm = 0, rate_distortion = layers::BuildOptions().rate_distortion;
+    uint32_t page_mips = layers::BuildOptions().page_mips;
     bool json = false;
 };
 
@@ -242,6 +246,10 @@ void print_summary(const layers::BuildSummary& summary, const Arguments& argumen
         out["archive_bytes"] = summary.archive_bytes;
         out["reference_bytes"] = summary.reference_bytes;
         out["seconds"] = summary.seconds;
+        for (const layers::StageTime& time : summary.stages) {
+            out["stages"].push_back(
+                {{"stage", time.stage}, {"seconds", time.seconds}, {"processor_seconds", time.processor_seconds}});
+        }
         out["peak_memory_bytes"] = summary.peak_memory_bytes;
         out["defect_count"] = summary.report.defect_count;
         out["dropped_features"] = summary.report.dropped_features.size();
@@ -288,6 +296,12 @@ int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
         fmt::print(stderr, "citystream-build: wrong value of --saliency: {}\n", saliency.error().text());
         return kWrongUsage;
     }
+    const auto texture_law = layers::parse_texture_law(arguments.texture_law);
+    if (!texture_law) {
+        fmt::print(stderr, "citystream-build: wrong value of --texture-law: {}\n", texture_law.error().text());
+        return kWrongUsage;
+    }
+    options.texture_law = *texture_law;
     options.output = arguments.output;
     options.reference = arguments.reference;
     options.layers = *layer_set;
@@ -304,7 +318,9 @@ int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
     options.merge_tolerance_mm = arguments.merge_tolerance_mm;
     options.rate_distortion = arguments.rate_distortion;
     options.saliency = *saliency;
-    options.shared_charts = arguments.shared_charts == "on";
+    if (arguments.atlas_form == "pages") options.atlas_form = codec::atlas::AtlasForm::kPages;
+    options.page_mips = arguments.page_mips;
+    options.shared_charts = arguments.shared_charts.value_or(arguments.atlas_form == "charts" ? "on" : "off") == "on";
     options.description = fmt::format(
         "layers={}{} ground={}{}{}", arguments.layers, arguments.lod.empty() ? "" : " lod=" + arguments.lod,
         arguments.ground, arguments.dress_seed ? fmt::format(" dress={}", *arguments.dress_seed) : std::string(),
@@ -398,8 +414,20 @@ void add_build_options(CLI::App& app, Arguments& arguments) {
         ->check(CLI::Range(0, 1 << 20))
         ->capture_default_str();
     app.add_option("--shared-charts", arguments.shared_charts,
-                   "on: pictures that several tiles show are stored once where that is smaller")
-        ->check(CLI::IsMember({"on", "off"}))
+                   "on: pictures that several tiles show are stored once where that is smaller; of charts only "
+                   "[default: on for charts, off for pages]")
+        ->check(CLI::IsMember({"on", "off"}));
+    app.add_option("--atlas-form", arguments.atlas_form,
+                   "charts: every picture of a tile has mips of its own; pages: they are packed into common images "
+                   "with borders")
+        ->check(CLI::IsMember({"charts", "pages"}))
+        ->capture_default_str();
+    app.add_option("--page-mips", arguments.page_mips, "coarser levels of pages, which are all that distance has")
+        ->check(CLI::Range(0, PAGES_MOST_MIPS))
+        ->capture_default_str();
+    app.add_option("--texture-law", arguments.texture_law,
+                   "metres a texel of images: METRES,FACTOR,LEVELS (FACTOR times as long at each level above the "
+                   "leaves), thesis (0.05,8,3), or METRES (of leaves; above them half of what the geometry errs by)")
         ->capture_default_str();
     app.add_option("--saliency", arguments.saliency,
                    "how much images may lose to become smaller, METRIC:TOLERANCE or none: rmse, nrmse, tm, mannos, "

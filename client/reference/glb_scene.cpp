@@ -253,6 +253,7 @@ void Loader::read_materials() {
         const tinygltf::PbrMetallicRoughness& pbr = in.pbrMetallicRoughness;
         for (size_t i = 0; i < 3 && i < pbr.baseColorFactor.size(); ++i)
             out.srgb[i] = encode_srgb(pbr.baseColorFactor[i]);
+        if (in.alphaMode == "MASK") out.alpha_cutoff = static_cast<float>(in.alphaCutoff);
         const int texture = pbr.baseColorTexture.index;
         if (texture >= 0 && static_cast<size_t>(texture) < model_.textures.size()) {
             const tinygltf::Texture& t = model_.textures[static_cast<size_t>(texture)];
@@ -283,17 +284,24 @@ void Loader::read_materials() {
 bool decode_image(GlbImage& out, const unsigned char* bytes, int size) {
     OIIO::Filesystem::IOMemReader memory(const_cast<unsigned char*>(bytes), static_cast<size_t>(size));
     const bool png = size > 4 && bytes[0] == 0x89 && bytes[1] == 'P';
-    auto input = OIIO::ImageInput::open(png ? "image.png" : "image.jpg", nullptr, &memory);
+    OIIO::ImageSpec wishes;
+    wishes.attribute("oiio:UnassociatedAlpha", 1);
+    OIIO::Filesystem::IOProxy* proxy = &memory;
+    wishes.attribute("oiio:ioproxy", OIIO::TypeDesc::PTR, &proxy);  // open() takes it from there when there are wishes
+    auto input = OIIO::ImageInput::open(png ? "image.png" : "image.jpg", &wishes, &memory);
     if (!input) return false;
     const OIIO::ImageSpec& spec = input->spec();
     const auto channels = static_cast<size_t>(spec.nchannels);
     std::vector<uint8_t> raw(static_cast<size_t>(spec.width) * static_cast<size_t>(spec.height) * channels);
+    const bool alpha = spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels;
     if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, raw.data())) return false;
     out.width = static_cast<uint32_t>(spec.width);
     out.height = static_cast<uint32_t>(spec.height);
     out.rgba.assign(size_t{4} * out.width * out.height, 255);
-    for (size_t i = 0; i < size_t{out.width} * out.height; ++i)
+    for (size_t i = 0; i < size_t{out.width} * out.height; ++i) {
         for (size_t c = 0; c < 3; ++c) out.rgba[4 * i + c] = raw[i * channels + (channels >= 3 ? c : 0)];
+        if (alpha) out.rgba[4 * i + 3] = raw[i * channels + static_cast<size_t>(spec.alpha_channel)];
+    }
     return true;
 }
 

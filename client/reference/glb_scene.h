@@ -19,6 +19,7 @@ struct GlbImage {
 struct GlbMaterial {
     std::array<float, 3> srgb = {1, 1, 1};  ///< base colour factor, sRGB-encoded
     int32_t image = -1;
+    float alpha_cutoff = 0;  ///< where the image's alpha is less, nothing is drawn (alphaMode MASK); 0: opaque
     bool repeat_u = true, repeat_v = true;
     std::array<float, 2> texcoord_scale = {1, 1}, texcoord_offset = {0, 0};  ///< KHR_texture_transform
 };

@@ -13,6 +13,7 @@
 #include "client/reference/glb_scene.h"
 #include "client/reference/gles_context.h"
 #include "client/render/lighting_layout.h"
+#include "codec/atlas/alpha_mask.h"
 
 namespace citystream::client {
 namespace {
@@ -50,11 +51,14 @@ in vec3 world_normal;
 in vec2 uv;
 uniform sampler2D image;
 uniform vec3 colour;
+uniform float alpha_cutoff;
 uniform vec3 sun;
 uniform vec2 light;
 out vec4 result;
 void main() {
-    vec3 texel = texture(image, uv).rgb * colour;
+    vec4 sampled = texture(image, uv);
+    if (sampled.a < alpha_cutoff) discard;
+    vec3 texel = sampled.rgb * colour;
     float lambert = max(0.0, dot(normalize(world_normal), sun));
     result = vec4(min(texel * (light.x + light.y * lambert), vec3(1.0)), 1.0);
 }
@@ -207,14 +211,49 @@ void GlesReferenceRenderer::upload_geometries() {
     }
 }
 
+/// The images that materials test by alpha: the plain filter of glGenerateMipmap would make them vanish or close.
+std::vector<bool> masked_images(const GlbScene& scene) {
+    std::vector<bool> masked(scene.images.size());
+    for (const GlbMaterial& material : scene.materials) {
+        if (material.image >= 0 && material.alpha_cutoff > 0) masked[static_cast<size_t>(material.image)] = true;
+    }
+    return masked;
+}
+
+void upload_level(GLint level, uint32_t width, uint32_t height, const uint8_t* rgba) {
+    glTexImage2D(GL_TEXTURE_2D, level, GL_RGBA8, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0, GL_RGBA,
+                 GL_UNSIGNED_BYTE, rgba);
+}
+
+/// Mips of as much of the image as the image has (codec/atlas/alpha_mask.h), down to the last one that can show it.
+void upload_masked_mips(const GlbImage& image) {
+    codec::atlas::ChartImage mip{image.width, image.height, true, true, 0, {}};
+    for (size_t i = 0; i < image.rgba.size(); i += 4) {
+        mip.rgb.insert(mip.rgb.end(), &image.rgba[i], &image.rgba[i] + 3);
+        mip.alpha.push_back(image.rgba[i + 3]);
+    }
+    GLint level = 0;
+    while (uint64_t{mip.width} * mip.height >= 4 * uint64_t{codec::atlas::kLeastAlphaTexels}) {
+        mip = codec::atlas::downsample(mip);
+        std::vector<uint8_t> rgba;
+        for (size_t i = 0; i < mip.alpha.size(); ++i)
+            rgba.insert(rgba.end(), {mip.rgb[3 * i], mip.rgb[3 * i + 1], mip.rgb[3 * i + 2], mip.alpha[i]});
+        upload_level(++level, mip.width, mip.height, rgba.data());
+    }
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, level);
+}
+
 void GlesReferenceRenderer::upload_textures() {
-    const auto upload = [&](uint32_t width, uint32_t height, const uint8_t* rgba) {
+    const auto upload = [&](uint32_t width, uint32_t height, const uint8_t* rgba, const GlbImage* masked = nullptr) {
         GLuint texture = 0;
         glGenTextures(1, &texture);
         glBindTexture(GL_TEXTURE_2D, texture);
-        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0, GL_RGBA,
-                     GL_UNSIGNED_BYTE, rgba);
-        glGenerateMipmap(GL_TEXTURE_2D);
+        upload_level(0, width, height, rgba);
+        if (masked != nullptr) {
+            upload_masked_mips(*masked);
+        } else {
+            glGenerateMipmap(GL_TEXTURE_2D);
+        }
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
         gpu_bytes_ += uint64_t{4} * width * height * 4 / 3;
@@ -222,8 +261,12 @@ void GlesReferenceRenderer::upload_textures() {
     };
     const uint8_t white[4] = {255, 255, 255, 255};
     white_ = upload(1, 1, white);
-    for (GlbImage& image : scene_.images) {
-        textures_.push_back(image.rgba.empty() ? 0 : upload(image.width, image.height, image.rgba.data()));
+    const std::vector<bool> masked = masked_images(scene_);
+    for (size_t i = 0; i < scene_.images.size(); ++i) {
+        GlbImage& image = scene_.images[i];
+        textures_.push_back(image.rgba.empty()
+                                ? 0
+                                : upload(image.width, image.height, image.rgba.data(), masked[i] ? &image : nullptr));
         image.rgba = {};
     }
 }
@@ -275,6 +318,7 @@ void GlesReferenceRenderer::bind_material(const GlbMaterial& material) {
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, material.repeat_u ? GL_REPEAT : GL_CLAMP_TO_EDGE);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, material.repeat_v ? GL_REPEAT : GL_CLAMP_TO_EDGE);
     }
+    glUniform1f(glGetUniformLocation(program_, "alpha_cutoff"), textured ? material.alpha_cutoff : 0);
     glUniform3f(glGetUniformLocation(program_, "colour"), material.srgb[0], material.srgb[1], material.srgb[2]);
     glUniform4f(glGetUniformLocation(program_, "texcoord_transform"), material.texcoord_scale[0],
                 material.texcoord_scale[1], material.texcoord_offset[0], material.texcoord_offset[1]);

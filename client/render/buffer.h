@@ -20,8 +20,8 @@ enum class BufferPlace {
     kReadback,    ///< mapped and cached where such memory exists
 };
 
-/// `bytes` > 0. Usable as storage by address, transfer source and destination, index buffer. Throws VulkanError when
-/// memory is short.
+/// `bytes` > 0. Usable as storage by address, transfer source and destination, index and vertex buffer. Throws
+/// VulkanError when memory is short.
 Buffer create_buffer(const Device& device, uint64_t bytes, BufferPlace place);
 void destroy_buffer(const Device& device, Buffer& buffer);
 

@@ -221,6 +221,11 @@ Device create_device(VkPhysicalDevice physical) {
         vk_struct<VkPhysicalDeviceVulkan12Features>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES);
     features12.bufferDeviceAddress = VK_TRUE;
     VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &features12, {}};
+    // Our own passes read blocks as words; textures are for what benches compare them with.
+    VkPhysicalDeviceFeatures offered{};
+    vkGetPhysicalDeviceFeatures(physical, &offered);
+    features.features.textureCompressionBC = offered.textureCompressionBC;
+    device.has_bc_textures = offered.textureCompressionBC == VK_TRUE;
     device.is_cpu = is_cpu(physical);
     device.has_fragment_atomics64 = has_fragment_atomics64(physical);
     if (device.has_fragment_atomics64) {

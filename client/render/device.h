@@ -56,6 +56,7 @@ struct Device {
     VkPhysicalDeviceMemoryProperties memory{};
     bool is_cpu = false;                  ///< a software driver
     bool has_fragment_atomics64 = false;  ///< on buffers
+    bool has_bc_textures = false;         ///< images of BC1 blocks
     double timestamp_nanoseconds = 0;     ///< of one tick; 0: the queue has no timestamps
     std::string name;                     ///< with driver name and version
 };

@@ -15,6 +15,17 @@ using uint = uint32_t;
 #define LAYER_REF_DIRECT 1u
 /* Number of the specialization constant (bool): all layers of the draws are in one piece, read without asking. */
 #define DIRECT_LAYERS_CONSTANT 0
+/* (bool): the tile's atlas is in pages (codec/atlas/page_layout.h). */
+#define PAGES_CONSTANT 1
+/* (uint): how the vertex shader gets the frame of a page's chart, one of the following
+ * (client/render/chart_transport.h). */
+#define CHART_TRANSPORT_CONSTANT 2
+#define CHART_TRANSPORT_TABLE 0
+#define CHART_TRANSPORT_UNIFORM 1
+#define CHART_TRANSPORT_ATTRIBUTE 2
+#define CHART_TRANSPORT_PACKED 3
+/* (bool): charts of the tile may have alpha; where it is filtered to less than one half, triangles are not drawn. */
+#define ALPHA_TEST_CONSTANT 3
 #define DRAW_MESH_STEPS 4
 
 /* Of a frame. Directions are the camera's axes, scaled so that clip.xyw = row * p and clip.z = near_plane (reversed z,
@@ -33,20 +44,33 @@ struct TileConstants {
     uint mesh[2];
     uint atlas[2];
     uint facade[2];
-    uint facade_maps[2]; /* address of FacadeTableHead, FacadeMapEntry[] */
-    int origin[3];       /* grid units from the camera's grid cell to the tile's origin */
-    uint atlas_finest_mip;
+    uint facade_maps[2];    /* address of FacadeTableHead, FacadeMapEntry[] */
+    int origin[3];          /* grid units from the camera's grid cell to the tile's origin */
+    float atlas_finest_mip; /* that may be shown: at least the finest resident one, whatever the form of the atlas */
     uint mesh_steps;
     uint mesh_step_begin[DRAW_MESH_STEPS]; /* words */
-    uint shared_charts[2]; /* address of one SharedChartEntry for each chart of the tile; 0: it names no shared ones */
+    /* Address of one SharedChartEntry for each chart of the tile; 0: it names no shared ones. Where the atlas is in
+       pages, which name none: reference of the coordinate layer (CHART_TRANSPORT_ATTRIBUTE and _PACKED), or the chart
+       of the draw (_UNIFORM): its packed coordinates, in their places' bits its page and flags; of a flat chart its
+       colour and its flags. */
+    uint shared_charts[2];
 };
 
 /* Of a chart of the tile that lies in the city's dictionary. */
 struct SharedChartEntry {
-    uint layer[2];   /* 0: not there */
-    uint finest_mip; /* that may be shown */
-    uint colour;     /* r | g << 8 | b << 16: what is shown instead */
+    uint layer[2];    /* 0: not there */
+    float finest_mip; /* that may be shown, at least the finest resident one */
+    uint colour;      /* r | g << 8 | b << 16: what is shown instead */
 };
+
+/* Coordinate layers: CHART_TRANSPORT_ATTRIBUTE: four floats a corner, those of the chart frame
+   (wrap_coordinate_layout.h) with the page, times COORDINATE_PAGE_STEP, in the first; of a flat chart its colour and
+   three zeros. CHART_TRANSPORT_PACKED: COORDINATE_TRIANGLE_WORDS a triangle: flags and page as in the chart table, then
+   packed coordinates u, v of its corners; of a flat chart its colour and 0. */
+#define COORDINATE_PAGE_STEP 4096
+#define COORDINATE_MOST_PAGES 4096 /* exact in a float */
+#define COORDINATE_FRAME_WORDS 4
+#define COORDINATE_TRIANGLE_WORDS 7
 
 struct FacadeTableHead {
     uint keys[2];             /* address of one 64-bit key a sample of the picture: depth (float bits) << 32 | RGBA8 */

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/cache/layer_store.h"
+#include "codec/atlas/atlas_form.h"
 
 namespace citystream::client {
 
@@ -23,9 +24,10 @@ struct SharedChartBinding {
     uint32_t chart_in_tile = 0;
     uint32_t chart = 0;        ///< number in the dictionary
     LayerId layer = kNoLayer;  ///< kNoLayer: `colour` is shown
-    uint32_t finest_mip = 0;   ///< that may be shown
+    uint32_t finest_mip = 0;   ///< that its levels hold
     uint32_t levels = 0;       ///< that hold it
     uint32_t colour = 0;       ///< r | g << 8 | b << 16
+    float least_mip = 0;       ///< no finer one is shown (client/select/mip_clamp.h)
 };
 
 /// One tile to draw, with the prefixes that are resident.
@@ -36,9 +38,12 @@ struct TileDraw {
     uint32_t mesh_triangles = 0;
     uint32_t mesh_dressed_begin = 0;
     LayerId atlas = kNoLayer;  ///< kNoLayer: flat grey
-    uint32_t atlas_finest_mip = 0;
+    codec::atlas::AtlasForm atlas_form = codec::atlas::AtlasForm::kCharts;
+    uint32_t atlas_finest_mip = 0;                  ///< that is resident
+    float atlas_least_mip = 0;                      ///< no finer one of its own charts is shown (mip_clamp.h)
     uint32_t chart_count = 0;                       ///< of the atlas; where it names shared charts
     std::vector<SharedChartBinding> shared_charts;  ///< all that the atlas names
+    bool alpha_test = false;                        ///< some chart that triangles show has alpha
     LayerId facade = kNoLayer;  ///< when set, dressed triangles are not drawn; placements are ray cast instead
     std::vector<FacadeMapBinding> facade_maps;
     std::vector<uint32_t> map_of_placement;  ///< index in facade_maps, of every placement of the layer
@@ -48,6 +53,13 @@ struct TileDraw {
 struct FrameImage {
     uint32_t width = 0, height = 0;
     std::vector<uint8_t> rgba;
+};
+
+/// What a frame drew. Tiles whose atlas is in pages, those of them that could not take the transport asked for, and the
+/// memory of all coordinates that transports made (chart_transport.h).
+struct FrameCounts {
+    uint32_t mesh_draws = 0, page_tiles = 0, fallback_tiles = 0;
+    uint64_t coordinate_bytes = 0;
 };
 
 /// Time by stage in milliseconds; GPU stages from timestamps.

@@ -1,5 +1,6 @@
 #include "client/render/frame_constants.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -45,8 +46,8 @@ FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell
     return constants;
 }
 
-uint64_t FrameTables::bound(const SlotPool& pool, std::span<const TileDraw> tiles) {
-    uint64_t words = 0;
+uint64_t FrameTables::bound(const SlotPool& pool, const SlotPool& coordinates, std::span<const TileDraw> tiles) {
+    uint64_t words = (coordinates.slots_used + coordinates.layers.size()) * 2;
     for (const TileDraw& tile : tiles) {
         words += (sizeof(FacadeTableHead) + tile.facade_maps.size() * sizeof(FacadeMapEntry)) / 4 +
                  tile.map_of_placement.size() + 4;
@@ -63,22 +64,22 @@ VkDeviceAddress FrameTables::append(const void* table, size_t bytes) {
     return address;
 }
 
-Status FrameTables::refer(LayerId id, uint out[2]) {
+Status FrameTables::refer(const SlotPool& pool, LayerId id, uint out[2]) {
     out[0] = out[1] = 0;
     if (id == kNoLayer) return Done{};
-    if (!is_live(pool_, id) || pool_.layers[id].slots.empty()) {
+    if (!is_live(pool, id) || pool.layers[id].slots.empty()) {
         return Error{"a tile names layer " + std::to_string(id) + ", which holds nothing"};
     }
-    const SlotLayer& layer = pool_.layers[id];
-    if (is_contiguous(pool_, layer)) {
-        split_address(slot_address(pool_, layer.slots[0]) | LAYER_REF_DIRECT, out);
+    const SlotLayer& layer = pool.layers[id];
+    if (is_contiguous(pool, layer)) {
+        split_address(slot_address(pool, layer.slots[0]) | LAYER_REF_DIRECT, out);
         return Done{};
     }
     is_direct_ = false;
-    auto [found, fresh] = references_.try_emplace(id, 0);
+    auto [found, fresh] = references_.try_emplace({&pool, id}, 0);
     if (fresh) {
         std::vector<VkDeviceAddress> pages(layer.slots.size());
-        for (size_t i = 0; i < pages.size(); ++i) pages[i] = slot_address(pool_, layer.slots[i]);
+        for (size_t i = 0; i < pages.size(); ++i) pages[i] = slot_address(pool, layer.slots[i]);
         found->second = append(pages.data(), pages.size() * sizeof pages[0]);
     }
     split_address(found->second, out);
@@ -91,7 +92,7 @@ Status FrameTables::add_shared_charts(const TileDraw& tile, TileConstants& const
         if (binding.chart_in_tile >= charts.size()) return Error{"a shared chart that the tile does not have"};
         SharedChartEntry& entry = charts[binding.chart_in_tile];
         if (Status status = refer(binding.layer, entry.layer); !status) return status.error();
-        entry.finest_mip = binding.finest_mip;
+        entry.finest_mip = std::max(static_cast<float>(binding.finest_mip), binding.least_mip);
         entry.colour = binding.colour;
     }
     split_address(append(charts.data(), charts.size() * sizeof(SharedChartEntry)), constants.shared_charts);
@@ -117,6 +118,10 @@ Status FrameTables::add_facades(const TileDraw& tile, TileConstants& constants) 
     return Done{};
 }
 
+Status FrameTables::add_coordinates(const SlotPool& pool, LayerId layer, TileConstants& constants) {
+    return refer(pool, layer, constants.shared_charts);
+}
+
 Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCell& camera) {
     TileConstants constants{};
     is_direct_ = true;
@@ -129,7 +134,7 @@ Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCe
     if (!tile.shared_charts.empty()) {
         if (Status status = add_shared_charts(tile, constants); !status) return status.error();
     }
-    constants.atlas_finest_mip = tile.atlas_finest_mip;
+    constants.atlas_finest_mip = std::max(static_cast<float>(tile.atlas_finest_mip), tile.atlas_least_mip);
     for (size_t i = 0; i < 3; ++i) {
         const int64_t offset = to_grid(tile.origin[i]) - camera.cell[i];
         if (std::abs(offset) > std::numeric_limits<int32_t>::max() / 2)

@@ -1,6 +1,7 @@
 #include "client/render/pipelines.h"
 
 #include <array>
+#include <cstddef>
 
 #include "client/render/draw_layout.h"
 #include "client/render/facade_shaders.h"
@@ -32,20 +33,37 @@ VkPipelineLayout create_layout(const Device& device, VkShaderStageFlags stages, 
     return layout;
 }
 
-// The constants of shaders/words.glsl for pipelines whose layers all lie in one piece.
-constexpr VkBool32 kDirectLayers = VK_TRUE;
-constexpr VkSpecializationMapEntry kDirectEntry{DIRECT_LAYERS_CONSTANT, 0, sizeof kDirectLayers};
-constexpr VkSpecializationInfo kDirectConstants{1, &kDirectEntry, sizeof kDirectLayers, &kDirectLayers};
+// The specialization constants of shaders/words.glsl and shaders/draw_constants.glsl.
+struct ShaderConstants {
+    VkBool32 direct_layers, pages;
+    uint32_t transport;
+    VkBool32 alpha_test;
+};
+constexpr std::array<VkSpecializationMapEntry, 4> kConstantEntries = {
+    {{DIRECT_LAYERS_CONSTANT, offsetof(ShaderConstants, direct_layers), sizeof(VkBool32)},
+     {PAGES_CONSTANT, offsetof(ShaderConstants, pages), sizeof(VkBool32)},
+     {CHART_TRANSPORT_CONSTANT, offsetof(ShaderConstants, transport), sizeof(uint32_t)},
+     {ALPHA_TEST_CONSTANT, offsetof(ShaderConstants, alpha_test), sizeof(VkBool32)}}};
+
+ShaderConstants constants_of(const PassVariant& variant) {
+    return {variant.reading == LayerReading::kDirect ? VK_TRUE : VK_FALSE,
+            variant.form == codec::atlas::AtlasForm::kPages ? VK_TRUE : VK_FALSE,
+            static_cast<uint32_t>(variant.transport), variant.alpha_test ? VK_TRUE : VK_FALSE};
+}
 
 VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module,
-                                           LayerReading reading = LayerReading::kPaged) {
+                                           const VkSpecializationInfo* constants = nullptr) {
     auto info = vk_struct<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
     info.stage = stage;
     info.module = module;
     info.pName = "main";
-    if (reading == LayerReading::kDirect) info.pSpecializationInfo = &kDirectConstants;
+    info.pSpecializationInfo = constants;
     return info;
 }
+
+// Vertices are pulled from layers.
+constexpr VkPipelineVertexInputStateCreateInfo kNoAttributes = {
+    VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO, nullptr, 0, 0, nullptr, 0, nullptr};
 
 // What a drawing pass writes; all test depth.
 struct Writes {
@@ -53,9 +71,8 @@ struct Writes {
 };
 
 VkPipeline create_graphics_pipeline(const Device& device, VkRenderPass pass, VkPipelineLayout layout,
-                                    std::span<const VkPipelineShaderStageCreateInfo> stages, Writes writes) {
-    const auto vertex_input =
-        vk_struct<VkPipelineVertexInputStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO);
+                                    std::span<const VkPipelineShaderStageCreateInfo> stages, Writes writes,
+                                    const VkPipelineVertexInputStateCreateInfo& vertex_input = kNoAttributes) {
     auto assembly =
         vk_struct<VkPipelineInputAssemblyStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO);
     assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
@@ -108,9 +125,12 @@ VkPipeline create_graphics_pipeline(const Device& device, VkRenderPass pass, VkP
 
 // `fragment` empty: depth only.
 Pass create_drawing_pass(const Device& device, VkRenderPass render_pass, std::span<const uint32_t> vertex,
-                         std::span<const uint32_t> fragment, LayerReading reading, Writes writes = {},
+                         std::span<const uint32_t> fragment, const PassVariant& variant, Writes writes = {},
                          uint32_t constant_bytes = sizeof(DrawConstants)) {
     Pass pass;
+    const ShaderConstants values = constants_of(variant);
+    const VkSpecializationInfo constants{static_cast<uint32_t>(kConstantEntries.size()), kConstantEntries.data(),
+                                         sizeof values, &values};
     std::array<VkShaderModule, 2> modules{};
     const auto destroy_modules = [&] {
         for (VkShaderModule module : modules) vkDestroyShaderModule(device.handle, module, nullptr);
@@ -119,8 +139,8 @@ Pass create_drawing_pass(const Device& device, VkRenderPass render_pass, std::sp
         modules[0] = create_module(device, vertex);
         if (!fragment.empty()) modules[1] = create_module(device, fragment);
         const std::array<VkPipelineShaderStageCreateInfo, 2> stages = {
-            stage_info(VK_SHADER_STAGE_VERTEX_BIT, modules[0], reading),
-            stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], reading)};
+            stage_info(VK_SHADER_STAGE_VERTEX_BIT, modules[0], &constants),
+            stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], &constants)};
         pass.layout = create_layout(device, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, constant_bytes);
         pass.handle = create_graphics_pipeline(device, render_pass, pass.layout,
                                                std::span(stages).first(fragment.empty() ? 1 : 2), writes);
@@ -138,8 +158,8 @@ constexpr std::array<uint16_t, kFacadeIndices> kQuadIndices = {0, 1, 2, 2, 1, 3,
 
 }  // namespace
 
-Pass create_mesh_pass(const Device& device, VkRenderPass render_pass, LayerReading reading) {
-    return create_drawing_pass(device, render_pass, k_mesh_vert, k_mesh_frag, reading);
+Pass create_mesh_pass(const Device& device, VkRenderPass render_pass, const PassVariant& variant) {
+    return create_drawing_pass(device, render_pass, k_mesh_vert, k_mesh_frag, variant);
 }
 
 std::span<const uint16_t> facade_indices() {
@@ -147,19 +167,30 @@ std::span<const uint16_t> facade_indices() {
 }
 
 Pass create_facade_pass(const Device& device, VkRenderPass render_pass, uint32_t caster, bool keyed,
-                        LayerReading reading) {
+                        const PassVariant& variant) {
     const FacadeShaders shaders = facade_shaders(caster);
-    if (!keyed) return create_drawing_pass(device, render_pass, shaders.vertex, shaders.fragment, reading);
-    return create_drawing_pass(device, render_pass, shaders.vertex, shaders.keyed_fragment, reading, {false, false});
+    if (!keyed) return create_drawing_pass(device, render_pass, shaders.vertex, shaders.fragment, variant);
+    return create_drawing_pass(device, render_pass, shaders.vertex, shaders.keyed_fragment, variant, {false, false});
 }
 
-Pass create_facade_occluder_pass(const Device& device, VkRenderPass render_pass, LayerReading reading) {
-    return create_drawing_pass(device, render_pass, k_facade_occluder_vert, {}, reading, {false, true});
+Pass create_facade_occluder_pass(const Device& device, VkRenderPass render_pass, const PassVariant& variant) {
+    return create_drawing_pass(device, render_pass, k_facade_occluder_vert, {}, variant, {false, true});
 }
 
 Pass create_facade_resolve_pass(const Device& device, VkRenderPass render_pass) {
-    return create_drawing_pass(device, render_pass, k_facade_resolve_vert, k_facade_resolve_frag, LayerReading::kPaged,
-                               {}, sizeof(FacadeTableHead));
+    return create_drawing_pass(device, render_pass, k_facade_resolve_vert, k_facade_resolve_frag, {}, {},
+                               sizeof(FacadeTableHead));
+}
+
+VkPipeline create_attribute_pipeline(const Device& device, VkRenderPass pass, VkPipelineLayout layout,
+                                     std::span<const uint32_t> vertex, std::span<const uint32_t> fragment,
+                                     const VkPipelineVertexInputStateCreateInfo& attributes) {
+    const std::array<VkShaderModule, 2> modules = {create_module(device, vertex), create_module(device, fragment)};
+    const std::array<VkPipelineShaderStageCreateInfo, 2> stages = {
+        stage_info(VK_SHADER_STAGE_VERTEX_BIT, modules[0]), stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1])};
+    const VkPipeline pipeline = create_graphics_pipeline(device, pass, layout, stages, {}, attributes);
+    for (VkShaderModule module : modules) vkDestroyShaderModule(device.handle, module, nullptr);
+    return pipeline;
 }
 
 Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes) {

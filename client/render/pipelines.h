@@ -2,9 +2,12 @@
 // push constants.
 #pragma once
 
+#include <compare>
 #include <span>
 
+#include "client/render/chart_transport.h"
 #include "client/render/frame_target.h"
+#include "codec/atlas/atlas_form.h"
 
 namespace citystream::client {
 
@@ -17,18 +20,33 @@ struct Pass {
 /// that a draw names must; same results).
 enum class LayerReading { kPaged, kDirect };
 
+/// What a pipeline's shaders are specialized for; the tiles that it draws must be of that kind.
+struct PassVariant {
+    LayerReading reading = LayerReading::kPaged;
+    codec::atlas::AtlasForm form = codec::atlas::AtlasForm::kCharts;
+    ChartTransport transport = ChartTransport::kTable;  ///< of the mesh pass where the form is kPages
+    bool alpha_test = false;                            ///< of the mesh pass
+    auto operator<=>(const PassVariant&) const = default;
+};
+
 /// Triangles pulled from packed mesh layers; both sides are drawn. Push constants: DrawConstants.
-Pass create_mesh_pass(const Device& device, VkRenderPass pass, LayerReading reading);
+Pass create_mesh_pass(const Device& device, VkRenderPass pass, const PassVariant& variant);
 /// Quads of facade placements (indices: facade_indices), ray cast in the fragment shader by a caster of
 /// facade_renderer_layout.h. `keyed`: the hits go to the key buffer of FacadeTableHead, depth is tested before and not
 /// written. Push constants: DrawConstants.
-Pass create_facade_pass(const Device& device, VkRenderPass pass, uint32_t caster, bool keyed, LayerReading reading);
+Pass create_facade_pass(const Device& device, VkRenderPass pass, uint32_t caster, bool keyed,
+                        const PassVariant& variant);
 /// Depth of opaque placements' backs (the first kOccluderIndices indices). Push constants: DrawConstants.
-Pass create_facade_occluder_pass(const Device& device, VkRenderPass pass, LayerReading reading);
+Pass create_facade_occluder_pass(const Device& device, VkRenderPass pass, const PassVariant& variant);
 /// One triangle that draws the key buffer. Push constants: FacadeTableHead.
 Pass create_facade_resolve_pass(const Device& device, VkRenderPass pass);
 constexpr uint32_t kFacadeIndices = 18, kOccluderIndices = 6;
 std::span<const uint16_t> facade_indices();
+/// A pipeline of the same state as the drawing passes with shaders, attributes and a layout of the caller's: what they
+/// are measured against.
+VkPipeline create_attribute_pipeline(const Device& device, VkRenderPass pass, VkPipelineLayout layout,
+                                     std::span<const uint32_t> vertex, std::span<const uint32_t> fragment,
+                                     const VkPipelineVertexInputStateCreateInfo& attributes);
 /// A compute pipeline with `constant_bytes` of push constants.
 Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes);
 void destroy_pass(const Device& device, Pass& pass);

@@ -154,6 +154,38 @@ Status append_words(SlotPool& pool, LayerId id, std::span<const uint32_t> words)
     return Done{};
 }
 
+std::vector<uint32_t> read_words(const SlotPool& pool, LayerId id, uint64_t count) {
+    if (!is_live(pool, id)) return {};
+    const SlotLayer& layer = pool.layers[id];
+    std::vector<uint32_t> words(std::min(count, layer.words));
+    const uint64_t slots = (words.size() + kSlotWords - 1) / kSlotWords;
+    if (slots == 0) return words;
+    const auto byte_of = [](uint32_t slot) { return slot % kSlotsPerChunk * kSlotBytes; };
+    const auto copy_out = [&](uint64_t i, const std::byte* from) {
+        const uint64_t here = std::min(kSlotWords, words.size() - i * kSlotWords);
+        std::memcpy(&words[i * kSlotWords], from, here * 4);
+    };
+    if (pool.direct) {
+        for (uint64_t i = 0; i < slots; ++i) {
+            const Buffer& chunk = pool.chunks[layer.slots[i] / kSlotsPerChunk];
+            copy_out(i, static_cast<const std::byte*>(chunk.mapped) + byte_of(layer.slots[i]));
+        }
+        return words;
+    }
+    Buffer buffer = create_buffer(*pool.device, slots * kSlotBytes, BufferPlace::kReadback);
+    submit_and_wait(*pool.device, [&](VkCommandBuffer commands) {
+        for (uint64_t i = 0; i < slots; ++i) {
+            const VkBufferCopy copy{byte_of(layer.slots[i]), i * kSlotBytes, kSlotBytes};
+            vkCmdCopyBuffer(commands, pool.chunks[layer.slots[i] / kSlotsPerChunk].handle, buffer.handle, 1, &copy);
+        }
+        memory_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
+                       VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
+    });
+    for (uint64_t i = 0; i < slots; ++i) copy_out(i, static_cast<const std::byte*>(buffer.mapped) + i * kSlotBytes);
+    destroy_buffer(*pool.device, buffer);
+    return words;
+}
+
 void destroy_layer(SlotPool& pool, LayerId id) {
     if (!is_live(pool, id)) return;
     SlotLayer& layer = pool.layers[id];

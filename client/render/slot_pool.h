@@ -46,6 +46,9 @@ LayerId create_layer(SlotPool& pool);
 /// `layer` is not live.
 Status append_words(SlotPool& pool, LayerId layer, std::span<const uint32_t> words);
 void destroy_layer(SlotPool& pool, LayerId layer);
+/// The layer's first `count` words back from the GPU's memory; fewer where it has fewer, none of a layer that is not
+/// live. Slow where memory is not mapped.
+std::vector<uint32_t> read_words(const SlotPool& pool, LayerId layer, uint64_t count);
 
 bool is_live(const SlotPool& pool, LayerId layer);
 VkDeviceAddress slot_address(const SlotPool& pool, uint32_t slot);

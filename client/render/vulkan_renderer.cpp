@@ -5,8 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <numeric>
 
+#include "client/render/coordinate_layers.h"
 #include "client/render/device_choice.h"
 #include "client/render/draw_layout.h"
 #include "client/render/facade_map_facts.h"
@@ -62,13 +64,12 @@ std::vector<size_t> front_to_back(const Camera& camera, std::span<const TileDraw
 constexpr uint32_t kSoftwarePiece = 1536;
 static_assert(kSoftwarePiece % 3 == 0);
 
-void draw_pieces(VkCommandBuffer commands, uint32_t vertices, uint32_t piece) {
-    for (uint32_t begin = 0; begin < vertices; begin += piece)
-        vkCmdDraw(commands, std::min(piece, vertices - begin), 1, begin, 0);
-}
-
 bool has_facades(const TileDraw& tile) {
     return tile.facade != kNoLayer && !tile.map_of_placement.empty();
+}
+
+bool in_pages(const TileDraw& tile) {
+    return tile.atlas != kNoLayer && tile.atlas_form == codec::atlas::AtlasForm::kPages;
 }
 
 class Renderer final : public VulkanRenderer {
@@ -85,10 +86,14 @@ class Renderer final : public VulkanRenderer {
     uint64_t slots_used() const override { return pool_.slots_used; }
     LayerId create() override { return create_layer(pool_); }
     Status append(LayerId layer, std::span<const uint32_t> words) override;
-    void destroy(LayerId layer) override { destroy_layer(pool_, layer); }
+    void destroy(LayerId layer) override {
+        coordinates_.forget(layer);
+        destroy_layer(pool_, layer);
+    }
 
     Result<FrameImage> draw(const Camera& camera, std::span<const TileDraw> tiles, FrameTimings* timings) override;
     std::string device_name() const override { return device_.name; }
+    FrameCounts counts() const override { return counts_; }
     uint64_t frame_buffer_bytes() const override;
     uint64_t gpu_bytes_allocated() const override { return allocated_bytes(pool_); }
     uint64_t validation_messages() const override { return instance_.messages ? instance_.messages->load() : 0; }
@@ -99,27 +104,31 @@ class Renderer final : public VulkanRenderer {
         const TileDraw* tile;
         TileConstants constants;
         uint32_t casters;  ///< one bit each: those that its placements' maps need
-        LayerReading reading;
+        PassVariant mesh;
+        const std::vector<ChartRun>* runs;  ///< one draw each; null: one for all triangles
+
+        PassVariant facade() const { return {mesh.reading, mesh.form, {}, false}; }
+        PassVariant occluder() const { return {mesh.reading, {}, {}, false}; }
     };
-    /// One for each LayerReading, made when the first tile needs it.
-    using PassPair = std::array<Pass, 2>;
-    static const Pass& pass_for(const DrawnTile& drawn, const PassPair& passes) {
-        return passes[static_cast<size_t>(drawn.reading)];
-    }
+    /// Made when the first tile needs them.
+    using Passes = std::map<PassVariant, Pass>;
 
     static uint32_t placements_of(const DrawnTile& drawn) {
         return static_cast<uint32_t>(drawn.tile->map_of_placement.size());
     }
     void ensure_tables(uint64_t words);
-    bool ensure_mesh_pass(LayerReading reading);
-    bool ensure_facade_passes(uint32_t casters, LayerReading reading);
+    bool ensure_mesh_pass(const PassVariant& variant);
+    bool ensure_facade_passes(const DrawnTile& drawn);
     bool ensure_passes();
     uint32_t casters_of(const TileDraw& tile) const;
     FacadeTableHead facade_table_head() const;
     void warm_up(const Pass& pass, uint32_t vertices);
+    Result<DrawnTile> add_to_tables(FrameTables& tables, const TileDraw& tile, const CameraCell& cell);
     Status write_tables(const Camera& camera, std::span<const TileDraw> tiles);
     void record_frame(VkCommandBuffer commands);
     void record_meshes(VkCommandBuffer commands);
+    void record_runs(VkCommandBuffer commands, const DrawnTile& drawn, const Pass& pass, uint32_t triangles);
+    void record_triangles(VkCommandBuffer commands, uint32_t first, uint32_t count);
     void record_occluders(VkCommandBuffer commands);
     void record_facades(VkCommandBuffer commands);
     void record_resolve(VkCommandBuffer commands);
@@ -137,8 +146,10 @@ class Renderer final : public VulkanRenderer {
     SlotPool pool_;
     FrameTarget target_;
     Pass resolve_, filter_;
-    PassPair mesh_, occluder_;
-    std::array<PassPair, FACADE_RENDERER_COUNT> facades_;  ///< by caster
+    Passes mesh_, occluder_;
+    std::array<Passes, FACADE_RENDERER_COUNT> facades_;  ///< by caster
+    CoordinateLayers coordinates_;
+    FrameCounts counts_;
     Buffer facade_indices_;
     Buffer keys_;  ///< of the keyed facade pass
     bool keyed_facades_ = false;
@@ -153,12 +164,17 @@ Renderer::~Renderer() {
     if (device_.handle != VK_NULL_HANDLE) {
         vkDeviceWaitIdle(device_.handle);
         destroy_slot_pool(pool_);
+        coordinates_.destroy();
         destroy_frame_target(device_, target_);
         const auto destroy = [&](Pass& pass) { destroy_pass(device_, pass); };
         destroy(resolve_);
         destroy(filter_);
-        for (PassPair* passes : {&mesh_, &occluder_}) std::ranges::for_each(*passes, destroy);
-        for (PassPair& passes : facades_) std::ranges::for_each(passes, destroy);
+        const auto destroy_all = [&](Passes& passes) {
+            for (auto& [variant, pass] : passes) destroy(pass);
+        };
+        destroy_all(mesh_);
+        destroy_all(occluder_);
+        std::ranges::for_each(facades_, destroy_all);
         destroy_buffer(device_, facade_indices_);
         destroy_buffer(device_, keys_);
         destroy_buffer(device_, tables_);
@@ -182,13 +198,14 @@ Status Renderer::start() {
     // Software drivers test depth before a fragment shader only where that writes none.
     keyed_facades_ = device_.has_fragment_atomics64 && options_.keyed_facades.value_or(device_.is_cpu);
     pool_ = create_slot_pool(device_, options_.gpu_budget_bytes);
+    coordinates_ = CoordinateLayers(device_, options_.chart_transport, options_.gpu_budget_bytes);
     target_ = create_frame_target(device_, options_.width, options_.height, options_.supersample);
     if (options_.supersample > 1) filter_ = create_compute_pass(device_, k_box_filter_comp, sizeof(FilterConstants));
     auto queries = vk_struct<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
     queries.queryCount = kTimestampCount;
     vk_check(vkCreateQueryPool(device_.handle, &queries, nullptr, &timestamps_), "vkCreateQueryPool");
-    ensure_mesh_pass(LayerReading::kDirect);
+    ensure_mesh_pass({LayerReading::kDirect, {}, {}, false});
     return Done{};
 }
 
@@ -228,18 +245,16 @@ uint32_t Renderer::casters_of(const TileDraw& tile) const {
     return casters;
 }
 
-bool Renderer::ensure_mesh_pass(LayerReading reading) {
-    Pass& pass = mesh_[static_cast<size_t>(reading)];
-    if (pass.handle != VK_NULL_HANDLE) return false;
-    pass = create_mesh_pass(device_, target_.clear_pass, reading);
+bool Renderer::ensure_mesh_pass(const PassVariant& variant) {
+    if (mesh_.contains(variant)) return false;
+    const Pass pass = mesh_[variant] = create_mesh_pass(device_, target_.clear_pass, variant);
     warm_up(pass, 3);
     return true;
 }
 
 // What the facade pass needs is made when the first tile with relief is drawn, each caster with the first map in its
 // form.
-bool Renderer::ensure_facade_passes(uint32_t casters, LayerReading reading) {
-    const auto way = static_cast<size_t>(reading);
+bool Renderer::ensure_facade_passes(const DrawnTile& drawn) {
     bool made = false;
     if (facade_indices_.handle == VK_NULL_HANDLE) {
         facade_indices_ = create_buffer(device_, facade_indices().size_bytes(), BufferPlace::kUpload);
@@ -250,12 +265,12 @@ bool Renderer::ensure_facade_passes(uint32_t casters, LayerReading reading) {
                                   BufferPlace::kDevice);
         }
     }
-    if (occluder_[way].handle == VK_NULL_HANDLE)
-        occluder_[way] = create_facade_occluder_pass(device_, target_.clear_pass, reading);
+    if (!occluder_.contains(drawn.occluder()))
+        occluder_[drawn.occluder()] = create_facade_occluder_pass(device_, target_.clear_pass, drawn.occluder());
     for (uint32_t caster = 0; caster < FACADE_RENDERER_COUNT; ++caster) {
-        Pass& pass = facades_[caster][way];
-        if ((casters >> caster & 1) == 0 || pass.handle != VK_NULL_HANDLE) continue;
-        pass = create_facade_pass(device_, target_.load_pass, caster, keyed_facades_, reading);
+        if ((drawn.casters >> caster & 1) == 0 || facades_[caster].contains(drawn.facade())) continue;
+        const Pass pass = facades_[caster][drawn.facade()] =
+            create_facade_pass(device_, target_.load_pass, caster, keyed_facades_, drawn.facade());
         warm_up(pass, kFacadeIndices);
         made = true;
     }
@@ -266,8 +281,8 @@ bool Renderer::ensure_facade_passes(uint32_t casters, LayerReading reading) {
 bool Renderer::ensure_passes() {
     bool made = false;
     for (const DrawnTile& drawn : drawn_) {
-        made |= ensure_mesh_pass(drawn.reading);
-        if (drawn.casters != 0) made |= ensure_facade_passes(drawn.casters, drawn.reading);
+        made |= ensure_mesh_pass(drawn.mesh);
+        if (drawn.casters != 0) made |= ensure_facade_passes(drawn);
     }
     return made;
 }
@@ -288,7 +303,7 @@ void Renderer::warm_up(const Pass& pass, uint32_t vertices) {
     ensure_tables(kZeroWords);
     std::memset(tables_.mapped, 0, kZeroWords * 4);
     TileConstants tile{};
-    for (uint32_t* reference : {tile.mesh, tile.atlas, tile.facade})
+    for (uint32_t* reference : {tile.mesh, tile.atlas, tile.facade, tile.shared_charts})
         split(tables_.address | LAYER_REF_DIRECT, reference);
     // One placement, of which the tile has no map.
     constexpr uint64_t kTable = kZeroWords / 2 * 4;
@@ -325,17 +340,41 @@ void Renderer::bind_for(VkCommandBuffer commands, const Pass& pass, const TileCo
     push_constants(commands, pass, tile);
 }
 
+// A tile whose atlas is in pages takes the coordinates of its transport, too.
+Result<Renderer::DrawnTile> Renderer::add_to_tables(FrameTables& tables, const TileDraw& tile, const CameraCell& cell) {
+    const auto constants = tables.add_tile(tile, cell);
+    if (!constants) return constants.error();
+    DrawnTile drawn{&tile, *constants, casters_of(tile), {}, nullptr};
+    if (in_pages(tile)) {
+        const CoordinateLayers::Coordinates& coordinates = coordinates_.of(tile, pool_);
+        const Status named = tables.add_coordinates(coordinates_.pool(), coordinates.layer, drawn.constants);
+        if (!named) return named.error();
+        drawn.mesh.form = codec::atlas::AtlasForm::kPages;
+        drawn.mesh.transport = coordinates.transport;
+        if (coordinates.transport == ChartTransport::kUniform) drawn.runs = &coordinates.runs;
+        ++counts_.page_tiles;
+        if (tile.mesh != kNoLayer && coordinates.transport != coordinates_.wanted()) ++counts_.fallback_tiles;
+    }
+    drawn.mesh.reading = tables.is_direct() ? LayerReading::kDirect : LayerReading::kPaged;
+    drawn.mesh.alpha_test = tile.alpha_test;
+    return drawn;
+}
+
 Status Renderer::write_tables(const Camera& camera, std::span<const TileDraw> tiles) {
-    ensure_tables(FrameTables::bound(pool_, tiles));
+    counts_ = {};
+    for (const TileDraw& tile : tiles) {
+        if (in_pages(tile)) coordinates_.of(tile, pool_);
+    }
+    counts_.coordinate_bytes = coordinates_.pool().slots_used * kSlotBytes;
+    ensure_tables(FrameTables::bound(pool_, coordinates_.pool(), tiles));
     const CameraCell cell = camera_cell(camera.position);
     frame_ = make_frame_constants(camera, cell);
     FrameTables tables(pool_, tables_.address, map_facts_, facade_table_head());
     drawn_.clear();
     for (const size_t i : front_to_back(camera, tiles)) {
-        const Result<TileConstants> constants = tables.add_tile(tiles[i], cell);
-        if (!constants) return constants.error();
-        drawn_.push_back({&tiles[i], *constants, casters_of(tiles[i]),
-                          tables.is_direct() ? LayerReading::kDirect : LayerReading::kPaged});
+        const Result<DrawnTile> drawn = add_to_tables(tables, tiles[i], cell);
+        if (!drawn) return drawn.error();
+        drawn_.push_back(*drawn);
     }
     if (!tables.words().empty()) std::memcpy(tables_.mapped, tables.words().data(), tables.words().size_bytes());
     return Done{};
@@ -348,14 +387,39 @@ void Renderer::mark(VkCommandBuffer commands, Timestamp stamp) const {
     vkCmdWriteTimestamp(commands, stage, timestamps_, stamp);
 }
 
+void Renderer::record_triangles(VkCommandBuffer commands, uint32_t first, uint32_t count) {
+    const uint32_t piece = device_.is_cpu ? kSoftwarePiece : 3 * count;
+    for (uint32_t begin = 0; begin < 3 * count; begin += piece) {
+        vkCmdDraw(commands, std::min(piece, 3 * count - begin), 1, 3 * first + begin, 0);
+        ++counts_.mesh_draws;
+    }
+}
+
+// The first `triangles`, one draw for each run, its chart in the push constants.
+void Renderer::record_runs(VkCommandBuffer commands, const DrawnTile& drawn, const Pass& pass, uint32_t triangles) {
+    constexpr uint32_t kChart = offsetof(DrawConstants, tile) + offsetof(TileConstants, shared_charts);
+    uint32_t first = 0;
+    for (const ChartRun& run : *drawn.runs) {
+        if (first >= triangles) return;
+        vkCmdPushConstants(commands, pass.layout, kDrawStages, kChart, sizeof run.words, run.words.data());
+        record_triangles(commands, first, std::min(run.triangles, triangles - first));
+        first += run.triangles;
+    }
+}
+
 void Renderer::record_meshes(VkCommandBuffer commands) {
     VkPipeline bound = VK_NULL_HANDLE;
     for (const DrawnTile& drawn : drawn_) {
         const TileDraw& tile = *drawn.tile;
         const uint32_t triangles = has_facades(tile) ? tile.mesh_dressed_begin : tile.mesh_triangles;
         if (tile.mesh == kNoLayer || triangles == 0) continue;
-        bind_for(commands, pass_for(drawn, mesh_), drawn.constants, bound);
-        draw_pieces(commands, 3 * triangles, device_.is_cpu ? kSoftwarePiece : 3 * triangles);
+        const Pass& pass = mesh_.at(drawn.mesh);
+        bind_for(commands, pass, drawn.constants, bound);
+        if (drawn.runs != nullptr) {
+            record_runs(commands, drawn, pass, triangles);
+        } else {
+            record_triangles(commands, 0, triangles);
+        }
     }
 }
 
@@ -365,7 +429,7 @@ void Renderer::record_occluders(VkCommandBuffer commands) {
     vkCmdBindIndexBuffer(commands, facade_indices_.handle, 0, VK_INDEX_TYPE_UINT16);
     for (const DrawnTile& drawn : drawn_) {
         if (drawn.casters == 0) continue;
-        bind_for(commands, pass_for(drawn, occluder_), drawn.constants, bound);
+        bind_for(commands, occluder_.at(drawn.occluder()), drawn.constants, bound);
         vkCmdDrawIndexed(commands, kOccluderIndices, placements_of(drawn), 0, 0, 0);
     }
 }
@@ -383,7 +447,7 @@ void Renderer::record_facades(VkCommandBuffer commands) {
         VkPipeline bound = VK_NULL_HANDLE;
         for (const DrawnTile& drawn : drawn_) {
             if ((drawn.casters >> caster & 1) == 0) continue;
-            bind_for(commands, pass_for(drawn, facades_[caster]), drawn.constants, bound);
+            bind_for(commands, facades_[caster].at(drawn.facade()), drawn.constants, bound);
             vkCmdDrawIndexed(commands, kFacadeIndices, placements_of(drawn), 0, 0, 0);
         }
     }

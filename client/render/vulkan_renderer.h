@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/cache/layer_store.h"
+#include "client/render/chart_transport.h"
 #include "client/render/facade_renderer.h"
 #include "client/render/frame.h"
 #include "client/select/camera.h"
@@ -25,6 +26,9 @@ struct RendererOptions {
     uint32_t facade_samples = kFacadeSamples;
     /// Facade hits as 64-bit keys instead of depth writes (facade.frag.glsl); empty: where the device is faster so.
     std::optional<bool> keyed_facades;
+    /// How charts in pages come to the vertex shader. Coordinates of kAttribute and kPacked take memory beside the
+    /// budget, at most as much again (FrameCounts).
+    ChartTransport chart_transport = ChartTransport::kTable;
     bool validation = false;  ///< Khronos validation with synchronization validation; messages are counted
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h
 };
@@ -37,6 +41,7 @@ class VulkanRenderer : public LayerStore {
     /// Draws the tiles (the renderer sorts them front to back) and reads the frame back.
     virtual Result<FrameImage> draw(const Camera& camera, std::span<const TileDraw> tiles, FrameTimings* timings) = 0;
     virtual std::string device_name() const = 0;  ///< with driver name and version
+    virtual FrameCounts counts() const = 0;       ///< of the last frame
     virtual uint64_t frame_buffer_bytes() const = 0;
     virtual uint64_t gpu_bytes_allocated() const = 0;  ///< chunks of slots really allocated
     virtual uint64_t validation_messages() const = 0;

@@ -41,29 +41,45 @@ SettingSummary summarise(const SettingResult& setting) {
     return out;
 }
 
-/// Without a unit.
-std::string value_text(const Setting& setting) {
-    return setting.is_named() ? setting.name : fmt::format("{:g}", setting.value);
-}
-
 using Column = double (*)(const SettingResult&, const SettingSummary&);
 
+/// Series in the order of their names. What is of all metrics begins the line of each, or stands alone.
+std::vector<PlotSeries> joined(std::map<std::string, PlotSeries> by_name,
+                               const std::vector<PlotPoint>& of_all_metrics) {
+    const auto is_metric = [](const auto& entry) { return entry.first.starts_with("saliency "); };
+    if (!of_all_metrics.empty() && std::none_of(by_name.begin(), by_name.end(), is_metric)) by_name["saliency "] = {};
+    std::vector<PlotSeries> series;
+    series.reserve(by_name.size());
+    for (auto& [name, one] : by_name) {
+        one.name = name;
+        if (name.starts_with("saliency "))
+            one.points.insert(one.points.begin(), of_all_metrics.begin(), of_all_metrics.end());
+        series.push_back(std::move(one));
+    }
+    return series;
+}
+
 std::string plot_of(const SweepResult& result, const PlotAxes& axes, Column x, Column y) {
-    std::map<std::string, PlotSeries> by_knob;
+    std::map<std::string, PlotSeries> by_name;
+    std::vector<PlotPoint> of_all_metrics;
     for (const SettingResult& setting : result.settings) {
         const SettingSummary summary = summarise(setting);
-        PlotSeries& series = by_knob[setting.setting.knob];
-        series.name = setting.setting.knob;
-        series.points.push_back({x(setting, summary), y(setting, summary), setting.setting.label()});
+        const PlotPoint point{x(setting, summary), y(setting, summary), setting.setting.label()};
+        const std::string name = setting.setting.series();
+        if (name.empty()) {
+            of_all_metrics.push_back(point);
+        } else {
+            by_name[name].points.push_back(point);
+        }
     }
-    std::vector<PlotSeries> series;
-    series.reserve(by_knob.size());
-    for (auto& [knob, one] : by_knob) series.push_back(std::move(one));
-    return plot_svg(axes, series);
+    return plot_svg(axes, joined(std::move(by_name), of_all_metrics));
 }
 
 double megabytes(const SettingResult& setting, const SettingSummary&) {
     return static_cast<double>(setting.total_wire_bytes) / 1e6;
+}
+double picture_megabytes(const SettingResult& setting, const SettingSummary&) {
+    return static_cast<double>(setting.total_atlas_bytes) / 1e6;
 }
 double frame_time(const SettingResult&, const SettingSummary& summary) {
     return summary.gpu_ms;
@@ -83,6 +99,10 @@ std::map<std::string, std::string> plots_of(const SweepResult& result) {
         {"error-bytes.svg",
          plot_of(result, {"Error against bytes", "wire bytes of the whole path, MB", "median FLIP", true}, megabytes,
                  flip_error)},
+        {"error-picture-bytes.svg", plot_of(result,
+                                            {"Error against bytes of pictures",
+                                             "wire bytes of atlases and shared charts, MB", "median FLIP", true},
+                                            picture_megabytes, flip_error)},
         {"psnr-time.svg",
          plot_of(result, {"PSNR against run time", "median frame time, ms (GPU)", "median PSNR, dB", false}, frame_time,
                  psnr_value)},
@@ -102,17 +122,20 @@ Status write_text(const std::filesystem::path& file, const std::string& text) {
 
 std::string summary_table(const SweepResult& result) {
     std::string out =
-        "<table><tr><th>knob</th><th>setting</th><th>wire MB</th><th>of it facade maps, kB</th><th>GPU MiB, most</th>"
+        "<table><tr><th>knob</th><th>setting</th><th>wire MB</th><th>of it facade maps, kB</th><th>pictures, "
+        "kB</th><th>GPU MiB, most</th>"
         "<th>frame ms, median</th><th>of it relief</th><th>PSNR dB, median</th><th>PSNR dB, least</th><th>SSIM</th>"
         "<th>FLIP</th><th>stated error px, most</th></tr>\n";
     for (const SettingResult& setting : result.settings) {
         const SettingSummary s = summarise(setting);
         out += fmt::format(
-            "<tr><td>{}</td><td>{}</td><td>{:.3f}</td><td>{:.1f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td>"
+            "<tr><td>{}</td><td>{}</td><td>{:.3f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.2f}</td><td>{:.2f}</"
+            "td><td>{:.2f}</td>"
             "<td>{:.2f}</td><td>{:.2f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.3f}</td></tr>\n",
             setting.setting.knob, escape_html(setting.setting.label()),
             static_cast<double>(setting.total_wire_bytes) / 1e6,
             static_cast<double>(setting.total_dictionary_bytes) / 1e3,
+            static_cast<double>(setting.total_atlas_bytes) / 1e3,
             static_cast<double>(setting.largest_gpu_bytes) / (1 << 20), s.gpu_ms, s.facade_ms, s.psnr_db,
             s.least_psnr_db, s.ssim, s.flip, s.achieved_error_pixels);
     }
@@ -123,8 +146,8 @@ std::string summary_table(const SweepResult& result) {
 std::string archive_list(const SweepResult& result) {
     std::string out;
     for (const SettingResult& setting : result.settings) {
-        if (setting.setting.knob != "archive") continue;
-        out += fmt::format("<li>{}: {}</li>\n", escape_html(setting.setting.name),
+        if (setting.setting.place.empty()) continue;
+        out += fmt::format("<li>{} {}: {}</li>\n", setting.setting.knob, escape_html(setting.setting.label()),
                            escape_html(setting.build_options.empty() ? "options unknown" : setting.build_options));
     }
     return out.empty() ? out : "<p>Archives and how they were built:</p><ul>\n" + out + "</ul>\n";
@@ -155,16 +178,17 @@ std::string picture_rows(const SweepResult& result) {
 
 std::string frames_csv(const SweepResult& result) {
     std::string out =
-        "knob,value,frame,t,gpu_ms,facade_ms,select_ms,decode_ms,wire_bytes,dictionary_bytes,gpu_bytes,tiles,"
+        "knob,value,frame,t,gpu_ms,facade_ms,select_ms,decode_ms,wire_bytes,dictionary_bytes,atlas_bytes,gpu_bytes,"
+        "tiles,"
         "relief_tiles,tolerance_used,achieved_error_pixels,psnr_db,ssim,flip\n";
     for (const SettingResult& setting : result.settings)
         for (const FrameRow& row : setting.frames)
             out += fmt::format(
-                "{},{},{},{:g},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{:.4f},{:.4f},{:.3f},{:.5f},{:.5f}\n",
-                setting.setting.knob, value_text(setting.setting), row.frame, row.t, row.gpu_ms, row.facade_ms,
-                row.select_ms, row.decode_ms, row.wire_bytes, row.dictionary_bytes, row.gpu_bytes, row.tiles,
-                row.relief_tiles, row.tolerance_used, row.achieved_error_pixels, finite_psnr(row.difference.psnr_db),
-                row.difference.ssim, row.difference.flip);
+                "{},{},{},{:g},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{:.4f},{:.4f},{:.3f},{:.5f},{:.5f}\n",
+                setting.setting.knob, setting.setting.value_text(), row.frame, row.t, row.gpu_ms, row.facade_ms,
+                row.select_ms, row.decode_ms, row.wire_bytes, row.dictionary_bytes, row.atlas_bytes, row.gpu_bytes,
+                row.tiles, row.relief_tiles, row.tolerance_used, row.achieved_error_pixels,
+                finite_psnr(row.difference.psnr_db), row.difference.ssim, row.difference.flip);
     return out;
 }
 
@@ -184,6 +208,7 @@ std::string report_json(const SweepOptions& options, const SweepResult& result) 
                                       {"value", setting.setting.value},
                                       {"wire_bytes", setting.total_wire_bytes},
                                       {"dictionary_bytes", setting.total_dictionary_bytes},
+                                      {"atlas_bytes", setting.total_atlas_bytes},
                                       {"gpu_bytes_most", setting.largest_gpu_bytes},
                                       {"gpu_ms_median", s.gpu_ms},
                                       {"facade_ms_median", s.facade_ms},
@@ -194,7 +219,7 @@ std::string report_json(const SweepOptions& options, const SweepResult& result) 
                                       {"achieved_error_pixels_most", s.achieved_error_pixels},
                                       {"warnings", setting.warnings}};
         if (setting.setting.is_named()) one["value"] = setting.setting.name;
-        if (setting.setting.knob == "archive") one["build_options"] = setting.build_options;
+        if (!setting.setting.place.empty()) one["build_options"] = setting.build_options;
         root["settings"].push_back(std::move(one));
     }
     return root.dump(2) + "\n";

@@ -12,7 +12,7 @@
 namespace citystream::client {
 namespace {
 
-constexpr double kWidth = 640, kHeight = 400, kLeft = 70, kRight = 20, kTop = 40, kBottom = 55;
+constexpr double kWidth = 640, kHeight = 400, kLeft = 70, kRight = 20, kTop = 52, kBottom = 55;
 constexpr std::array<const char*, 6> kColours = {"#1f6fb4", "#c8443c", "#2e8b57", "#8a5fb0", "#c08a1e", "#4a4a4a"};
 
 /// One axis: a range of values and how they map to 0..1.
@@ -97,12 +97,25 @@ std::string draw_series(const PlotAxes& axes, const PlotSeries& series, size_t i
         if (!drawable(axes, point)) continue;
         const double px = pixel_x(x, point.x), py = pixel_y(y, point.y);
         line += fmt::format("{}{:.1f} {:.1f}", line.empty() ? "M" : "L", px, py);
-        marks += fmt::format("<circle cx='{:.1f}' cy='{:.1f}' r='4' fill='{}'/><text x='{:.1f}' y='{:.1f}'>{}</text>\n",
-                             px, py, colour, px + 6, py - 6, escape_html(point.label));
+        // Labels of neighbouring lines stand on different sides of their points.
+        marks += fmt::format(
+            "<circle cx='{0:.1f}' cy='{1:.1f}' r='4' fill='{2}'/><text x='{3:.1f}' y='{4:.1f}' fill='{2}'>{5}</text>\n",
+            px, py, colour, px + 6, index % 2 == 0 ? py - 6 : py + 14, escape_html(point.label));
     }
-    return fmt::format(
-        "<path d='{}' fill='none' stroke='{}' stroke-width='1.5'/>\n{}<text x='{}' y='{}' fill='{}'>{}</text>\n", line,
-        colour, marks, kLeft + 8, kTop + 16 + 16 * static_cast<double>(index), colour, escape_html(series.name));
+    return fmt::format("<path d='{}' fill='none' stroke='{}' stroke-width='1.5'/>\n{}", line, colour, marks);
+}
+
+/// The names of the lines, side by side between title and axes.
+std::string legend(const std::vector<PlotSeries>& series) {
+    constexpr double kLetter = 6.5, kGap = 14;  // about, of a 12-unit font
+    std::string out;
+    double x = kLeft;
+    for (size_t i = 0; i < series.size(); ++i) {
+        out += fmt::format("<text x='{:.1f}' y='{}' fill='{}'>{}</text>\n", x, kTop - 8, kColours[i % kColours.size()],
+                           escape_html(series[i].name));
+        x += kLetter * static_cast<double>(series[i].name.size()) + kGap;
+    }
+    return out;
 }
 
 }  // namespace
@@ -127,6 +140,7 @@ std::string plot_svg(const PlotAxes& axes, const std::vector<PlotSeries>& series
     y.widen();
     out += grid(x, y);
     for (size_t i = 0; i < series.size(); ++i) out += draw_series(axes, series[i], i, x, y);
+    out += legend(series);
     out += fmt::format(
         "<text x='{}' y='{}' text-anchor='middle'>{}</text><text transform='translate(16 {}) rotate(-90)' "
         "text-anchor='middle'>{}</text></svg>\n",

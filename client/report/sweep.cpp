@@ -102,6 +102,7 @@ Result<FrameRow> Sweep::fly_frame(uint32_t i, const std::string& prefix, VulkanR
     row.decode_ms = streamed.decode_ms;
     row.wire_bytes = streamed.wire_bytes;
     row.dictionary_bytes = streamed.facade_index_bytes + streamed.facade_map_bytes;
+    row.atlas_bytes = streamed.atlas_bytes();
     row.gpu_bytes = renderer.slots_used() * renderer.slot_bytes();
     row.tiles = streamed.tiles_drawn;
     row.relief_tiles = streamed.relief_tiles;
@@ -115,6 +116,7 @@ Result<FrameRow> Sweep::fly_frame(uint32_t i, const std::string& prefix, VulkanR
     if (Status written = write_png(file(row.flip_picture), flip); !written) return written.error();
     out.total_wire_bytes += row.wire_bytes;
     out.total_dictionary_bytes += row.dictionary_bytes;
+    out.total_atlas_bytes += row.atlas_bytes;
     out.largest_gpu_bytes = std::max(out.largest_gpu_bytes, row.gpu_bytes);
     out.warnings.insert(out.warnings.end(), streamed.warnings.begin(), streamed.warnings.end());
     return row;
@@ -129,7 +131,7 @@ struct FlightOptions {
 
 Result<FlightOptions> flight_options(const SweepOptions& options, const Setting& setting) {
     FlightOptions out;
-    out.place = options.city;
+    out.place = setting.place.empty() ? options.city : setting.place;
     out.renderer.width = options.width;
     out.renderer.height = options.height;
     out.renderer.supersample = options.supersample;
@@ -138,12 +140,15 @@ Result<FlightOptions> flight_options(const SweepOptions& options, const Setting&
     out.renderer.facade_renderer = options.facade_renderer;
     out.renderer.facade_samples = options.facade_samples;
     out.streamer.tolerance_pixels = options.tolerance_pixels;
+    out.streamer.texel_tolerance_pixels = options.texel_tolerance_pixels;
     out.streamer.host_budget_bytes = options.host_budget_bytes;
     out.streamer.relief = options.relief;
     if (setting.knob == "tolerance") {
         out.streamer.tolerance_pixels = setting.value;
     } else if (setting.knob == "relief-tolerance") {
         out.streamer.relief.tolerance_pixels = setting.value;
+    } else if (setting.knob == "texel-tolerance") {
+        out.streamer.texel_tolerance_pixels = setting.value;
     } else if (setting.knob == "gpu-budget") {
         out.renderer.gpu_budget_bytes = static_cast<uint64_t>(setting.value * (1 << 20));
     } else if (setting.knob == "map-level") {
@@ -158,20 +163,12 @@ Result<FlightOptions> flight_options(const SweepOptions& options, const Setting&
         const auto samples = facade_samples_named(setting.name);
         if (!samples) return Error{"facade pixels do not cast " + setting.name + " rays"};
         out.renderer.facade_samples = *samples;
-    } else if (setting.knob == "archive") {
-        out.place = setting.place;
-    } else {
+    } else if (setting.place.empty()) {
         return Error{"there is no knob " + setting.knob};
     }
     out.streamer.facade_form = form_for(out.renderer.facade_renderer);
     out.streamer.facade_boxes = steps_through_boxes(out.renderer.facade_renderer);
     return out;
-}
-
-std::string file_prefix(const Setting& setting) {
-    std::string prefix = setting.knob + "_" + (setting.is_named() ? setting.name : fmt::format("{:g}", setting.value));
-    std::replace(prefix.begin(), prefix.end(), ' ', '_');
-    return prefix;
 }
 
 Result<SettingResult> Sweep::fly(const Setting& setting, SweepResult& result) {
@@ -188,7 +185,7 @@ Result<SettingResult> Sweep::fly(const Setting& setting, SweepResult& result) {
     SettingResult out;
     out.setting = setting;
     out.build_options = (*streamer)->manifest().build_options;
-    const std::string prefix = file_prefix(setting);
+    const std::string prefix = setting.file_prefix();
     for (uint32_t i = 0; i < cameras_.size(); ++i) {
         auto row = fly_frame(i, prefix, **renderer, **streamer, out);
         if (!row) return row.error();
@@ -202,8 +199,24 @@ Result<SettingResult> Sweep::fly(const Setting& setting, SweepResult& result) {
 }  // namespace
 
 std::string Setting::label() const {
-    if (is_named()) return name;
+    if (is_named() || knob == "rate-distortion") return value_text();
     return fmt::format("{:g} {}", value, knob == "gpu-budget" ? "MiB" : "px");
+}
+
+std::string Setting::value_text() const {
+    return is_named() ? name : fmt::format("{:g}", value);
+}
+
+std::string Setting::file_prefix() const {
+    std::string prefix = knob + "_" + value_text();
+    std::replace_if(
+        prefix.begin(), prefix.end(), [](char c) { return c == ' ' || c == ':'; }, '_');
+    return prefix;
+}
+
+std::string Setting::series() const {
+    if (knob != "saliency") return knob;
+    return name == "none" ? std::string() : knob + " " + name.substr(0, name.find(':'));
 }
 
 Result<SweepResult> run_sweep(const SweepOptions& options, const std::vector<Setting>& settings) {

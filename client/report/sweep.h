@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,15 +18,22 @@ namespace citystream::client {
 
 /// One setting of one knob; all others stay at the defaults of SweepOptions.
 struct Setting {
-    /// "tolerance" or "relief-tolerance" (pixels), "gpu-budget" (MiB), "map-level", "facade-renderer" or
-    /// "facade-samples" (names as citystream-fly takes them), "archive" (a name; the city is `place`).
+    /// "tolerance", "relief-tolerance" or "texel-tolerance" (pixels), "gpu-budget" (MiB), "map-level",
+    /// "facade-renderer" or "facade-samples" (names as citystream-fly takes them); of the archive that is flown
+    /// "saliency" (a name as citystream-build takes it), "rate-distortion" (a number), "archive" (a name of its own).
     std::string knob;
     double value = 0;   ///< of a knob that has numbers
     std::string name;   ///< of a knob that has names
-    std::string place;  ///< of an archive
+    std::string place;  ///< of the archive; empty: SweepOptions::city
     bool is_named() const { return !name.empty(); }
     /// "1.5 px", "64 MiB", "fdm".
     std::string label() const;
+    /// The value or the name as the programs' options take it: "1.5", "fdm".
+    std::string value_text() const;
+    /// Knob and value, as part of file names.
+    std::string file_prefix() const;
+    /// What is joined by a line in plots: the knob, and of saliency its metric. Empty: of all metrics (saliency none).
+    std::string series() const;
 };
 
 struct SweepOptions {
@@ -36,6 +44,7 @@ struct SweepOptions {
     uint32_t width = 1280, height = 720;
     uint32_t supersample = 1;
     double tolerance_pixels = 1;
+    std::optional<double> texel_tolerance_pixels;
     ReliefOptions relief;
     FacadeRenderer facade_renderer = FacadeRenderer::kPatch;
     uint32_t facade_samples = kFacadeSamples;
@@ -52,6 +61,7 @@ struct FrameRow {
     double gpu_ms = 0, facade_ms = 0, select_ms = 0, decode_ms = 0;  ///< facade_ms: of gpu_ms
     uint64_t wire_bytes = 0;                                         ///< fetched for this frame
     uint64_t dictionary_bytes = 0;                                   ///< of wire_bytes: facade index and maps
+    uint64_t atlas_bytes = 0;                                        ///< of wire_bytes: all that pictures take
     uint64_t gpu_bytes = 0;                                          ///< layer slots in use
     uint64_t tiles = 0, relief_tiles = 0;
     double tolerance_used = 0, achieved_error_pixels = 0;
@@ -64,7 +74,7 @@ struct SettingResult {
     Setting setting;
     std::vector<FrameRow> frames;
     std::string build_options;  ///< of the city, as its manifest says
-    uint64_t total_wire_bytes = 0, total_dictionary_bytes = 0;
+    uint64_t total_wire_bytes = 0, total_dictionary_bytes = 0, total_atlas_bytes = 0;
     uint64_t largest_gpu_bytes = 0;
     std::vector<std::string> warnings;
 };

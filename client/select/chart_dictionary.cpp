@@ -60,7 +60,7 @@ ChartPiece ChartDictionary::next(ChartPiece piece) const {
 }
 
 uint32_t ChartDictionary::step_words(uint32_t chart, uint32_t level) const {
-    return codec::atlas::atlas_step_words(record(chart).width, record(chart).height, level);
+    return codec::atlas::atlas_step_words(record(chart).width, record(chart).height, record(chart).flags, level);
 }
 
 uint64_t ChartDictionary::wire_bytes(const ChartPrefix& prefix) const {

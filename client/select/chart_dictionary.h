@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "codec/atlas/atlas_layer.h"
+#include "codec/atlas/atlas_layout.h"
 #include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/directory.h"
 
@@ -50,6 +51,7 @@ class ChartDictionary {
     bool known() const { return size() > 0; }
     size_t size() const { return charts_->size(); }
     const tiles::tileset::ChartRecord& record(uint32_t chart) const { return (*charts_)[chart]; }
+    bool has_alpha(uint32_t chart) const { return (record(chart).flags & ATLAS_CHART_ALPHA) != 0; }
     /// r | g << 8 | b << 16: shown where the chart cannot be had.
     uint32_t colour(uint32_t chart) const;
 

@@ -14,6 +14,12 @@
 
 namespace citystream::client {
 
+/// Where a tile shows a chart of its own or of the dictionary.
+struct ChartBox {
+    uint32_t chart_in_tile = 0;
+    tiles::tileset::Bounds bounds;  ///< of the triangles that show it; as those of the tile
+};
+
 /// Learnt of one tile.
 struct TileKnowledge {
     static constexpr uint8_t kAllSteps = 255;
@@ -22,8 +28,13 @@ struct TileKnowledge {
     bool facade_maps_known = false;
     std::vector<codec::facade::Placement> placements;  ///< where its facades stand
     std::vector<uint32_t> facade_maps;                 ///< that they show: sorted, distinct
-    bool charts_known = false;                         ///< the first step of its atlas has been here
+    bool charts_known = false;                         ///< the first step of its atlas has been here; only of a city
+                                                       ///< that names_charts()
     std::vector<codec::atlas::SharedChartUse> charts;  ///< shared ones that its atlas names
+    /// The first step of its mesh has been here. Never of tiles with facades, which show charts beside their triangles.
+    bool chart_boxes_known = false;
+    std::vector<ChartBox> chart_boxes;   ///< of every chart that a triangle shows, ascending
+    std::vector<uint32_t> alpha_charts;  ///< of its own, those with alpha: ascending
 };
 
 struct CityKnowledge {
@@ -33,6 +44,16 @@ struct CityKnowledge {
     ChartDictionary charts;            ///< empty until the chart index has come
     bool charts_broken = false;        ///< the chart index cannot be had: shared charts are drawn in one colour
 };
+
+/// Whether tiles may show shared charts, or charts with alpha.
+inline bool names_charts(const tiles::tileset::Manifest& manifest) {
+    return manifest.shared_chart_count > 0 || manifest.needs_version_5;
+}
+
+/// Whether what shows a chart of the tile can be seen through, as far as is known.
+bool shows_alpha(const CityKnowledge& knowledge, const TileKnowledge& tile, uint32_t chart);
+/// Of any of its charts.
+bool shows_alpha(const CityKnowledge& knowledge, const TileKnowledge& tile);
 
 /// Steps of a layer that can be had.
 inline uint32_t usable_steps(const DirectoryNode& node, const TileKnowledge& known, tiles::tileset::Layer layer) {

@@ -46,6 +46,20 @@ bool can_be_drawn(const DirectoryCache& directory, const CityKnowledge& knowledg
     return mesh[mesh_steps - 1].error <= directory.node(node.parent).record->geometric_error;
 }
 
+bool shows_alpha(const CityKnowledge& knowledge, const TileKnowledge& tile, uint32_t chart) {
+    if (std::binary_search(tile.alpha_charts.begin(), tile.alpha_charts.end(), chart)) return true;
+    const auto use = std::lower_bound(tile.charts.begin(), tile.charts.end(), chart,
+                                      [](const auto& a, uint32_t b) { return a.chart_in_tile < b; });
+    return use != tile.charts.end() && use->chart_in_tile == chart && knowledge.charts.known() &&
+           knowledge.charts.has_alpha(use->number);
+}
+
+bool shows_alpha(const CityKnowledge& knowledge, const TileKnowledge& tile) {
+    return !tile.alpha_charts.empty() || std::any_of(tile.charts.begin(), tile.charts.end(), [&](const auto& use) {
+        return knowledge.charts.known() && knowledge.charts.has_alpha(use.number);
+    });
+}
+
 bool has_usable_relief(const DirectoryCache& directory, const CityKnowledge& knowledge, NodeIndex index) {
     const DirectoryNode& node = directory.node(index);
     const TileKnowledge& known = knowledge.tiles[index];
@@ -76,6 +90,7 @@ uint64_t wire_prefix_bytes(const std::vector<StepRecord>& steps, uint32_t count)
 void Selector::begin_camera(const Camera& camera, double tolerance) {
     camera_ = camera;
     relief_ratio_ = relief_.tolerance_pixels && tolerance > 0 ? *relief_.tolerance_pixels / tolerance : 1;
+    texel_ratio_ = texel_tolerance_ && tolerance > 0 ? *texel_tolerance_ / tolerance : 1;
     ++view_stamp_;
     views_.resize(directory_.nodes().size());
 }
@@ -145,8 +160,9 @@ void Selector::take(NodeIndex index, const View& view, Selection& out) {
     tile.node = index;
     tile.pixels_per_metre = view.pixels_per_metre;
     for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
-        tile.steps[static_cast<size_t>(layer)] = shortest_prefix(
-            node.record->steps(layer), usable_steps(node, known, layer), view.pixels_per_metre, out.tolerance);
+        tile.steps[static_cast<size_t>(layer)] =
+            shortest_prefix(node.record->steps(layer), usable_steps(node, known, layer), view.pixels_per_metre,
+                            layer == Layer::kAtlas ? out.texel_tolerance : out.tolerance);
     }
     const double relief_pixels = node.record->flat_facade_error * view.pixels_per_metre;
     if (with_relief_ && relief_pixels > out.tolerance * relief_ratio_ &&
@@ -158,12 +174,24 @@ void Selector::take(NodeIndex index, const View& view, Selection& out) {
     }
     if (knowledge_.charts.known()) {
         for (const auto& use : known.charts) {
-            const ChartPrefix prefix = knowledge_.charts.wanted(use, view.pixels_per_metre, out.tolerance);
+            const ChartPrefix prefix = knowledge_.charts.wanted(
+                use, chart_pixels_per_metre(known, use.chart_in_tile, view), out.texel_tolerance);
             if (prefix.levels > 0) tile.charts.push_back(prefix);
         }
         merge_prefixes(tile.charts);
     }
     out.tiles.push_back(std::move(tile));
+}
+
+/// Where the chart is nearest; 0: it is not in the view. As the tile where that is not known.
+double Selector::chart_pixels_per_metre(const TileKnowledge& known, uint32_t chart_in_tile, const View& view) const {
+    if (!known.chart_boxes_known) return view.pixels_per_metre;
+    const auto box = std::lower_bound(known.chart_boxes.begin(), known.chart_boxes.end(), chart_in_tile,
+                                      [](const ChartBox& one, uint32_t chart) { return one.chart_in_tile < chart; });
+    if (box == known.chart_boxes.end() || box->chart_in_tile != chart_in_tile) return 0;
+    if (!camera_.sees(box->bounds, directory_.origin())) return 0;
+    const double distance = camera_.distance_to(box->bounds, directory_.origin());
+    return camera_.pixels_per_metre(std::max(distance, camera_.near_plane));
 }
 
 std::vector<PlacementLevel> Selector::placement_levels_of(NodeIndex node, double tolerance) const {
@@ -219,6 +247,7 @@ void Selector::add_relief_cost(const SelectedTile& tile, uint64_t slot_bytes, Se
 void Selector::run(double tolerance, uint64_t slot_bytes, Selection& out) {
     out = {};
     out.tolerance = tolerance;
+    out.texel_tolerance = tolerance * texel_ratio_;
     if (!directory_.nodes().empty()) visit(0, out);
     std::sort(out.subtrees.begin(), out.subtrees.end());
     out.subtrees.erase(std::unique(out.subtrees.begin(), out.subtrees.end()), out.subtrees.end());

@@ -38,6 +38,7 @@ struct SelectionCost {
 
 struct Selection {
     double tolerance = 0;             ///< pixels: what the tiles were chosen with
+    double texel_tolerance = 0;       ///< pixels: the same of texels
     std::vector<SelectedTile> tiles;  ///< depth first: neighbours in the tree are neighbours here
     std::vector<NodeIndex> refined;   ///< tiles whose children were looked at instead, also where none of those shows
     std::vector<tiles::tileset::TileAddress> subtrees;  ///< not loaded yet, but needed to refine
@@ -61,8 +62,12 @@ struct SelectionBudget {
 /// at a time).
 class Selector {
   public:
-    Selector(const DirectoryCache& directory, const CityKnowledge& knowledge, const ReliefOptions& relief = {})
-        : directory_(directory), knowledge_(knowledge), relief_(relief) {}
+    /// `texel_tolerance`: pixels that texels of atlases and shared charts may project to, at the tolerance that is
+    /// asked for; when that is raised for the budgets, so is this. Empty: as all errors. It changes what is taken of a
+    /// tile, not which tiles: inner tiles have no finer texels than their own error allows.
+    Selector(const DirectoryCache& directory, const CityKnowledge& knowledge, const ReliefOptions& relief = {},
+             std::optional<double> texel_tolerance = {})
+        : directory_(directory), knowledge_(knowledge), relief_(relief), texel_tolerance_(texel_tolerance) {}
 
     /// The rule at exactly this tolerance, whatever it costs. O(visible tiles and their ancestors).
     Selection select(const Camera& camera, double tolerance, uint64_t slot_bytes);
@@ -82,6 +87,10 @@ class Selector {
     /// Of the camera of the last selection, for any node of the directory.
     bool visible(NodeIndex node) { return view_of(node).visible; }
     double pixels_per_metre(NodeIndex node) { return view_of(node).pixels_per_metre; }  ///< of a visible node
+    /// Where a chart of a visible node is nearest.
+    double chart_pixels_per_metre(NodeIndex node, uint32_t chart_in_tile) {
+        return chart_pixels_per_metre(knowledge_.tiles[node], chart_in_tile, view_of(node));
+    }
     /// Of any node whose placements are known: the level that each of them wants at a tolerance.
     std::vector<PlacementLevel> placement_levels_of(NodeIndex node, double tolerance) const;
 
@@ -95,6 +104,7 @@ class Selector {
     bool visit(NodeIndex node, Selection& out);
     bool visit_children(NodeIndex node, Selection& out);
     void take(NodeIndex node, const View& view, Selection& out);
+    double chart_pixels_per_metre(const TileKnowledge& known, uint32_t chart_in_tile, const View& view) const;
     void begin_camera(const Camera& camera, double tolerance);
     void run(double tolerance, uint64_t slot_bytes, Selection& out);
     int search(double tolerance, const SelectionBudget& budget, Selection& out);
@@ -108,7 +118,9 @@ class Selector {
     const CityKnowledge& knowledge_;
     ReliefOptions relief_;
     bool with_relief_ = true;  ///< false while the choice without any relief is searched
+    std::optional<double> texel_tolerance_;
     double relief_ratio_ = 1;  ///< tolerance of flat relief / tolerance: they are raised together
+    double texel_ratio_ = 1;   ///< the same of texels
     Camera camera_;
     const DepthPicture* picture_ = nullptr;
     double horizon_ = std::numeric_limits<double>::infinity();

@@ -7,6 +7,7 @@
 
 #include "client/cache/directory_cache.h"
 #include "client/cache/layer_cache.h"
+#include "client/select/mip_clamp.h"
 #include "client/select/selection.h"
 #include "client/stream/chart_residency.h"
 #include "client/stream/cover.h"
@@ -64,7 +65,7 @@ class Streamer final : public CityStreamer {
           options_(options),
           directory_(std::move(manifest), options.directory_pool),
           cache_(store, host_),
-          selector_(directory_, knowledge_, options.relief),
+          selector_(directory_, knowledge_, options.relief, options.texel_tolerance_pixels),
           maps_(knowledge_, cache_, host_, warnings_, counters_, map_options(options)),
           charts_(knowledge_, cache_, host_, warnings_, counters_, options.decode),
           residency_(directory_, knowledge_, cache_, host_, maps_, charts_, warnings_, counters_, options.decode),
@@ -122,6 +123,7 @@ class Streamer final : public CityStreamer {
 
     void make_draws();
     void add_draw(NodeIndex node);
+    void clamp_mips(NodeIndex node, TileDraw& draw);
     double drawn_error(NodeIndex node, const TileDraw& draw) const;
     double relief_error_pixels(std::span<const PlacementLevel> levels, const TileDraw& draw) const;
     bool is_selected(NodeIndex node) const { return node < marks_.size() && marks_[node].selected == serial_; }
@@ -573,6 +575,7 @@ void Streamer::receive(FetchResult& result) {
     }
     const std::vector<std::byte>& bytes = *result.bytes;
     frame_->wire_bytes += bytes.size();
+    if (request.kind == RequestKind::kLayer) frame_->layer_bytes[static_cast<size_t>(request.layer)] += bytes.size();
     if (request.kind == RequestKind::kFacadeIndex) frame_->facade_index_bytes += bytes.size();
     if (request.kind == RequestKind::kMaps) frame_->facade_map_bytes += bytes.size();
     if (request.kind == RequestKind::kChartIndex) frame_->chart_index_bytes += bytes.size();
@@ -667,6 +670,7 @@ void Streamer::add_draw(NodeIndex node) {
     const double pixels_per_metre = selector_.pixels_per_metre(node);
     draws_.push_back(residency_.draw(node, options_.wait_for_selection ? tile : nullptr));
     TileDraw& draw = draws_.back();
+    clamp_mips(node, draw);
     std::vector<PlacementLevel> levels;
     if (tile == nullptr || tile->has_relief()) levels = selector_.placement_levels_of(node, selection_.tolerance);
     const bool has_facades = !directory_.node(node).record->steps(Layer::kFacade).empty();
@@ -674,6 +678,19 @@ void Streamer::add_draw(NodeIndex node) {
     if (has_facades) ++(relief ? frame_->relief_tiles : frame_->flat_tiles);
     const double error = std::max(drawn_error(node, draw) * pixels_per_metre, relief_error_pixels(levels, draw));
     frame_->achieved_error_pixels = std::max(frame_->achieved_error_pixels, error);
+}
+
+void Streamer::clamp_mips(NodeIndex node, TileDraw& draw) {
+    const double pixels = selection_.texel_tolerance;
+    if (!options_.continuous_mips || !(pixels > 1)) return;
+    const auto& steps = directory_.node(node).record->steps(Layer::kAtlas);
+    if (draw.atlas != kNoLayer) draw.atlas_least_mip = clamped_mip(steps, pixels / selector_.pixels_per_metre(node));
+    const auto& uses = knowledge_.tiles[node].charts;
+    for (size_t i = 0; i < draw.shared_charts.size(); ++i) {
+        const double per_metre = selector_.chart_pixels_per_metre(node, uses[i].chart_in_tile);
+        if (per_metre > 0)
+            draw.shared_charts[i].least_mip = clamped_mip(double{uses[i].metres_per_texel}, pixels / per_metre);
+    }
 }
 
 /// Metres: of the tile itself, of steps that were left away, and of relief drawn flat.

@@ -25,13 +25,16 @@ class DirectoryPool;
 
 struct StreamerOptions {
     double tolerance_pixels = 1.0;
-    uint64_t host_budget_bytes = 1ull << 30;  ///< wire bytes kept, decode buffers, directory: hard
+    std::optional<double> texel_tolerance_pixels;  ///< of texels (Selector); empty: as all errors
+    uint64_t host_budget_bytes = 1ull << 30;       ///< wire bytes kept, decode buffers, directory: hard
     bool wait_for_selection =
         true;  ///< offline mode: update() returns when the frame has all it asked for (or it failed for good)
     /// What near surfaces hide is neither fetched nor drawn (client/select/depth_picture.h). Needs decoding; only in
     /// waiting mode, where a frame waits for what its camera's movement reveals.
     bool occlusion = true;
     bool decode = true;  ///< false (load client): bytes are counted and checked, not decoded
+    /// Texels that may be larger than a pixel become finer with the distance and not all at once (mip_clamp.h).
+    bool continuous_mips = true;
     ReliefOptions relief;
     std::optional<codec::facade::FacadeForm>
         facade_form;                       ///< that the renderer reads (form_for); empty: maps stay as they arrive
@@ -51,9 +54,10 @@ struct StreamerFrame {
     uint64_t tiles_hidden = 0;  ///< tiles in the view's frustum that it left out with all below, as others hide them
     uint64_t tiles_missing =
         0;  ///< chosen tiles that are not drawn as chosen: an ancestor, descendants or nothing stands in for them
-    uint64_t requests = 0, wire_bytes = 0, decoded_bytes = 0;  ///< of this update
-    uint64_t cache_hits = 0, cache_misses = 0;                 ///< layer prefixes found resident / not
-    uint64_t relief_tiles = 0, flat_tiles = 0;                 ///< drawn tiles with facades: ray cast, or flat
+    uint64_t requests = 0, wire_bytes = 0, decoded_bytes = 0;         ///< of this update
+    uint64_t cache_hits = 0, cache_misses = 0;                        ///< layer prefixes found resident / not
+    uint64_t relief_tiles = 0, flat_tiles = 0;                        ///< drawn tiles with facades: ray cast, or flat
+    std::array<uint64_t, tiles::tileset::kLayerCount> layer_bytes{};  ///< of wire_bytes: layers of tiles
     std::array<uint64_t, codec::facade::kMostFacadeLevels> facade_maps{};  ///< in the store after it, by level
     uint64_t facade_index_bytes = 0, facade_map_bytes = 0;                 ///< of wire_bytes: the dictionary
     uint64_t shared_charts = 0;                                            ///< in the store after it
@@ -68,6 +72,10 @@ struct StreamerFrame {
     double achieved_error_pixels = 0;  ///< largest projected error of what is drawn
     double select_ms = 0, wait_ms = 0, decode_ms = 0;
     std::vector<std::string> warnings;  ///< damaged or missing tiles, new in this update
+    /// Of wire_bytes: all that pictures take, tiles' own and shared ones with their index.
+    uint64_t atlas_bytes() const {
+        return layer_bytes[static_cast<size_t>(tiles::tileset::Layer::kAtlas)] + chart_index_bytes + chart_level_bytes;
+    }
 };
 
 class CityStreamer {

@@ -15,6 +15,16 @@ double milliseconds(double value) {
     return std::round(value * 1000) / 1000;
 }
 
+/// By name of the layer.
+template <typename BytesOf>
+Json layers_json(const BytesOf& bytes_of) {
+    Json out;
+    for (size_t layer = 0; layer < tiles::tileset::kLayerCount; ++layer) {
+        out[std::string(tiles::tileset::kLayerNames[layer])] = bytes_of(layer);
+    }
+    return out;
+}
+
 Json frame_json(const FlightFrame& frame) {
     const StreamerFrame& s = frame.stream;
     const FrameTimings& g = frame.timings;
@@ -38,6 +48,7 @@ Json frame_json(const FlightFrame& frame) {
             {"requests", s.requests},
             {"bytes",
              {{"wire", s.wire_bytes},
+              {"layers", layers_json([&](size_t layer) { return s.layer_bytes[layer]; })},
               {"decoded", s.decoded_bytes},
               {"gpu", s.gpu_bytes_used},
               {"host", s.host_bytes_used},
@@ -54,6 +65,11 @@ Json frame_json(const FlightFrame& frame) {
               {"conversion_ms", milliseconds(s.map_conversion_ms)}}},
             {"charts",
              {{"shared", s.shared_charts}, {"index_bytes", s.chart_index_bytes}, {"level_bytes", s.chart_level_bytes}}},
+            {"pages",
+             {{"tiles", frame.counts.page_tiles},
+              {"fallback_tiles", frame.counts.fallback_tiles},
+              {"coordinate_bytes", frame.counts.coordinate_bytes},
+              {"mesh_draws", frame.counts.mesh_draws}}},
             {"cache", {{"hits", s.cache_hits}, {"misses", s.cache_misses}}},
             {"tolerance_used", s.tolerance_used},
             {"achieved_error_pixels", s.achieved_error_pixels},
@@ -94,9 +110,11 @@ Json description_json(const FlightDescription& d) {
             {"fps", d.frames_per_second},
             {"tolerance_pixels", d.tolerance_pixels},
             {"relief_tolerance_pixels", d.relief_tolerance_pixels},
+            {"texel_tolerance_pixels", d.texel_tolerance_pixels},
             {"map_level", d.map_level},
             {"facade_renderer", d.facade_renderer},
             {"facade_samples", d.facade_samples},
+            {"chart_transport", d.chart_transport},
             {"occlusion", d.occlusion},
             {"gpu_budget_bytes", d.gpu_budget_bytes},
             {"host_budget_bytes", d.host_budget_bytes}};
@@ -148,6 +166,14 @@ Json charts_json(const std::vector<FlightFrame>& frames) {
             {"level_bytes", levels}};
 }
 
+/// Tiles whose atlas is in pages, and what their transport took: 0 where there are none.
+Json pages_json(const std::vector<FlightFrame>& frames) {
+    return {{"tiles_most", most(frames, [](const FlightFrame& f) { return f.counts.page_tiles; })},
+            {"fallback_tiles_most", most(frames, [](const FlightFrame& f) { return f.counts.fallback_tiles; })},
+            {"coordinate_bytes_most", most(frames, [](const FlightFrame& f) { return f.counts.coordinate_bytes; })},
+            {"mesh_draws", spread(frames, [](const FlightFrame& f) { return f.counts.mesh_draws; })}};
+}
+
 Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::string>& warnings,
              const FlightTotals& totals) {
     const FetcherStatistics& net = totals.fetcher;
@@ -159,6 +185,9 @@ Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::stri
         {"tiles_missing", sum(frames, [](const FlightFrame& f) { return f.stream.tiles_missing; })},
         {"bytes",
          {{"wire", sum(frames, [](const FlightFrame& f) { return f.stream.wire_bytes; })},
+          {"layers", layers_json([&](size_t layer) {
+               return sum(frames, [layer](const FlightFrame& f) { return f.stream.layer_bytes[layer]; });
+           })},
           {"decoded", sum(frames, [](const FlightFrame& f) { return f.stream.decoded_bytes; })},
           {"gpu_max", most(frames, [](const FlightFrame& f) { return f.stream.gpu_bytes_used; })},
           {"host_max", most(frames, [](const FlightFrame& f) { return f.stream.host_bytes_used; })},
@@ -168,6 +197,7 @@ Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::stri
           {"frame_buffers", totals.frame_buffer_bytes}}},
         {"facades", facades_json(frames, totals)},
         {"charts", charts_json(frames)},
+        {"pages", pages_json(frames)},
         {"cache",
          {{"hits", sum(frames, [](const FlightFrame& f) { return f.stream.cache_hits; })},
           {"misses", sum(frames, [](const FlightFrame& f) { return f.stream.cache_misses; })}}},

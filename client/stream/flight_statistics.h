@@ -16,14 +16,15 @@ struct FlightFrame {
     double t = 0;  ///< seconds of the path
     StreamerFrame stream;
     FrameTimings timings;
+    FrameCounts counts;
     double total_ms = 0;  ///< update and drawing
 };
 
 /// What was flown, and with what.
 struct FlightDescription {
     std::string place, path, mode, device, network;
-    std::string facade_renderer, map_level;  ///< as chosen by name
-    double relief_tolerance_pixels = 0;
+    std::string facade_renderer, map_level, chart_transport;  ///< as chosen by name
+    double relief_tolerance_pixels = 0, texel_tolerance_pixels = 0;
     uint32_t facade_samples = 1;
     bool occlusion = true;
     uint32_t width = 0, height = 0;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "codec/atlas/atlas_layer.h"
 #include "codec/mesh/mesh_layer.h"
 #include "codec/step_wire.h"
 
@@ -29,12 +28,10 @@ Result<LayerFacts> check_mesh(const DecodedPrefix& prefix, uint32_t chart_count)
 }
 
 Result<LayerFacts> check_atlas(const DecodedPrefix& prefix, uint64_t dictionary_size) {
-    const auto view = codec::atlas::AtlasLayerView::create(prefix.words, prefix.step_words, dictionary_size);
-    if (!view) return view.error();
+    auto atlas = codec::atlas::check_atlas(prefix.words, prefix.step_words, dictionary_size);
+    if (!atlas) return atlas.error();
     LayerFacts facts;
-    facts.chart_count = view->chart_count();
-    facts.finest_mip = view->finest_mip();
-    facts.shared_charts = view->shared_charts();
+    facts.atlas = std::move(*atlas);
     return facts;
 }
 

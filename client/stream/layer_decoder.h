@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "codec/atlas/atlas_layer.h"
+#include "codec/atlas/atlas_form.h"
 #include "codec/facade/facade_layer.h"
 #include "codec/result.h"
 #include "tiles/tileset/directory.h"
@@ -22,8 +22,7 @@ struct DecodedPrefix {
 /// What the renderer must know of a layer beside its words.
 struct LayerFacts {
     uint32_t mesh_triangles = 0, mesh_dressed_begin = 0;
-    uint32_t chart_count = 0, finest_mip = 0;
-    std::vector<codec::atlas::SharedChartUse> shared_charts;
+    codec::atlas::AtlasFacts atlas;
     std::vector<codec::facade::Placement> placements;
     std::vector<uint32_t> facade_maps;  ///< sorted, distinct
 };

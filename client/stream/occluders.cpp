@@ -26,17 +26,6 @@ double squared_double_area(const Triangle& t) {
     return x * x + y * y + z * z;
 }
 
-/// The triangles [begin, end) that are large enough, appended.
-void take_large(const codec::mesh::MeshLayerView& mesh, uint32_t begin, uint32_t end, std::vector<Triangle>& out) {
-    const double least = 2 * kLeastOccluderMetres2 * std::pow(kGridUnitsPerMetre, 2);
-    for (uint32_t triangle = begin; triangle < end; ++triangle) {
-        Triangle t{};
-        for (uint32_t corner = 0; corner < 3; ++corner)
-            mesh.position(mesh.index(3 * triangle + corner), &t[size_t{3} * corner]);
-        if (squared_double_area(t) >= least * least) out.push_back(t);
-    }
-}
-
 /// Keeps the largest `count` of [begin, end of the vector), in their order.
 void keep_largest(std::vector<Triangle>& triangles, size_t begin, size_t count) {
     if (triangles.size() - begin <= count) return;
@@ -50,6 +39,21 @@ void keep_largest(std::vector<Triangle>& triangles, size_t begin, size_t count) 
 }
 
 }  // namespace
+
+/// The triangles [begin, end) that are large enough and solid, appended.
+void Occluders::take_large(const codec::mesh::MeshLayerView& mesh, NodeIndex node, uint32_t begin, uint32_t end,
+                           std::vector<Triangle>& out) const {
+    const double least = 2 * kLeastOccluderMetres2 * std::pow(kGridUnitsPerMetre, 2);
+    const TileKnowledge& tile = knowledge_.tiles[node];
+    const bool all_solid = !shows_alpha(knowledge_, tile);
+    for (uint32_t triangle = begin; triangle < end; ++triangle) {
+        Triangle t{};
+        for (uint32_t corner = 0; corner < 3; ++corner)
+            mesh.position(mesh.index(3 * triangle + corner), &t[size_t{3} * corner]);
+        const bool solid = all_solid || !shows_alpha(knowledge_, tile, mesh.atlas_chart(triangle));
+        if (solid && squared_double_area(t) >= least * least) out.push_back(t);
+    }
+}
 
 void Occluders::begin_update() {
     ++update_;
@@ -67,6 +71,9 @@ void Occluders::begin_update() {
 Occluders::Surfaces* Occluders::surfaces_of(NodeIndex node, uint32_t count) {
     const auto found = tiles_.find(node);
     if (found != tiles_.end() && found->second.steps == count) return &found->second;
+    // Which of its surfaces are solid is known with its atlas.
+    const bool has_atlas = !directory_.node(node).record->steps(Layer::kAtlas).empty();
+    if (has_atlas && names_charts(directory_.manifest()) && !knowledge_.tiles[node].charts_known) return nullptr;
     const CachedLayer* entry = cache_.find(layer_key(node, Layer::kMesh));
     if (entry == nullptr || count == 0 || entry->wire.size() < count) return nullptr;
     const auto steps = std::span(directory_.node(node).record->steps(Layer::kMesh)).first(count);
@@ -81,10 +88,10 @@ Occluders::Surfaces* Occluders::surfaces_of(NodeIndex node, uint32_t count) {
     if (!mesh) return nullptr;
     Surfaces surfaces;
     surfaces.steps = count;
-    take_large(*mesh, 0, mesh->dressed_begin(), surfaces.triangles);
+    take_large(*mesh, node, 0, mesh->dressed_begin(), surfaces.triangles);
     keep_largest(surfaces.triangles, 0, kMostOccluders);
     surfaces.dressed_begin = static_cast<uint32_t>(surfaces.triangles.size());
-    take_large(*mesh, mesh->dressed_begin(), mesh->triangle_count(), surfaces.triangles);
+    take_large(*mesh, node, mesh->dressed_begin(), mesh->triangle_count(), surfaces.triangles);
     keep_largest(surfaces.triangles, surfaces.dressed_begin, kMostOccluders);
     surfaces.triangles.shrink_to_fit();
     Surfaces& kept = tiles_[node];

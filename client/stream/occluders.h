@@ -1,4 +1,5 @@
-// The large surfaces of tiles that are near: what hides the rest of the city (client/select/depth_picture.h).
+// The large surfaces of tiles that are near: what hides the rest of the city (client/select/depth_picture.h). None of
+// those that show charts with alpha: one can see through them.
 #pragma once
 
 #include <array>
@@ -11,6 +12,7 @@
 #include "client/cache/layer_cache.h"
 #include "client/select/city_knowledge.h"
 #include "client/select/depth_picture.h"
+#include "codec/mesh/mesh_layer.h"
 
 namespace citystream::client {
 
@@ -22,8 +24,8 @@ inline constexpr uint32_t kMostOccluders = 8192;
 /// Keeps those of tiles that were asked for lately. One thread.
 class Occluders {
   public:
-    Occluders(const DirectoryCache& directory, LayerCache& cache, HostMemory& host)
-        : directory_(directory), cache_(cache), host_(host) {}
+    Occluders(const DirectoryCache& directory, const CityKnowledge& knowledge, LayerCache& cache, HostMemory& host)
+        : directory_(directory), knowledge_(knowledge), cache_(cache), host_(host) {}
 
     /// Forgets tiles that none of the last kKeptUpdates updates has drawn.
     void begin_update();
@@ -42,8 +44,11 @@ class Occluders {
         uint64_t bytes() const { return sizeof(Surfaces) + 64 + triangles.size() * sizeof(triangles[0]); }
     };
     Surfaces* surfaces_of(NodeIndex node, uint32_t steps);
+    void take_large(const codec::mesh::MeshLayerView& mesh, NodeIndex node, uint32_t begin, uint32_t end,
+                    std::vector<std::array<int32_t, 9>>& out) const;
 
     const DirectoryCache& directory_;
+    const CityKnowledge& knowledge_;
     LayerCache& cache_;
     HostMemory& host_;
     std::map<NodeIndex, Surfaces> tiles_;

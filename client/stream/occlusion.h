@@ -22,7 +22,7 @@ class Occlusion {
           cache_(cache),
           residency_(residency),
           selector_(selector),
-          occluders_(directory, cache, host) {}
+          occluders_(directory, knowledge, cache, host) {}
 
     /// Once a frame.
     void begin_update() { occluders_.begin_update(); }

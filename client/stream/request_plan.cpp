@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "client/stream/chart_boxes.h"
 #include "client/stream/dictionary_pieces.h"
 
 namespace citystream::client {
@@ -341,6 +342,13 @@ void Planner::add_charts(const std::vector<SelectedTile>& tiles, uint32_t most_l
                bridge_gaps);
 }
 
+/// Its mesh will say how near each of its shared charts is.
+bool chart_boxes_awaited(const DirectoryCache& directory, const CityKnowledge& knowledge, const SelectedTile& tile) {
+    const TileKnowledge& known = knowledge.tiles[tile.node];
+    return learns_chart_boxes(directory, tile.node) && !known.chart_boxes_known && tile.steps_of(Layer::kMesh) > 0 &&
+           (!known.charts_known || !known.charts.empty());
+}
+
 void order(std::vector<PlannedRequest>& requests) {
     std::stable_sort(requests.begin(), requests.end(),
                      [](const PlannedRequest& a, const PlannedRequest& b) { return a.priority > b.priority; });
@@ -386,6 +394,8 @@ std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const
         const bool charts_awaited =
             directory.manifest().shared_chart_count > 0 && !knowledge.tiles[tile.node].charts_known;
         if (options.directory_first && charts_awaited) planner.add_layer(tile, Layer::kAtlas);
+        if (options.directory_first && chart_boxes_awaited(directory, knowledge, tile))
+            planner.add_layer(tile, Layer::kMesh);
         if (!tile.has_relief()) continue;
         relief = true;
         planner.add_layer(tile, Layer::kFacade);

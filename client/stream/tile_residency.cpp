@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "client/stream/chart_boxes.h"
+#include "codec/mesh/mesh_layer.h"
+
 namespace citystream::client {
 
 using tiles::tileset::checksum_of;
@@ -63,6 +66,7 @@ void TileResidency::accept_layer(NodeIndex node, Layer layer, uint32_t from, uin
             return;
         }
         if (layer == Layer::kAtlas && i == 0 && !learn_shared_charts(node, part)) return;
+        if (layer == Layer::kMesh && i == 0) learn_chart_boxes(node, part);
         cache_.add_wire(entry, {part.begin(), part.end()}, keep);
     }
     if (layer == Layer::kFacade && entry.wire_steps == steps.size()) learn_facade_maps(node);
@@ -74,11 +78,11 @@ NameLimits TileResidency::limits_of(NodeIndex node) const {
     return {facts_[node].chart_count, static_cast<uint32_t>(manifest.facade_map_count), manifest.shared_chart_count};
 }
 
-/// Which shared charts a tile shows is known as soon as the first step of its atlas is here: the budget counts them,
-/// and a client that does not decode asks for them, too. False: the step is damaged.
+/// Which shared charts a tile shows, and which of its own have alpha, is known as soon as the first step of its atlas
+/// is here: the budget counts them, and a client that does not decode asks for them, too. False: the step is damaged.
 bool TileResidency::learn_shared_charts(NodeIndex node, std::span<const std::byte> first_step) {
     TileKnowledge& known = knowledge_.tiles[node];
-    if (known.charts_known || directory_.manifest().shared_chart_count == 0) return true;
+    if (known.charts_known || !names_charts(directory_.manifest())) return true;
     const std::span<const StepRecord> step = std::span(directory_.node(node).record->steps(Layer::kAtlas)).first(1);
     const Scratch scratch(host_, first_step.size() + 2 * step[0].decoded_bytes);
     const Stopwatch watch(counters_.decode_ms);
@@ -90,11 +94,33 @@ bool TileResidency::learn_shared_charts(NodeIndex node, std::span<const std::byt
         damaged(cache_.at(layer_key(node, Layer::kAtlas)), node, Layer::kAtlas, 0, failure.message);
         return false;
     }
-    known.charts = std::move(facts.shared_charts);
+    known.charts = std::move(facts.atlas.shared_charts);
+    known.alpha_charts = std::move(facts.atlas.alpha_charts);
     known.charts_known = true;
-    host_.fixed += known.charts.size() * sizeof(known.charts[0]);
+    host_.fixed += known.charts.size() * sizeof(known.charts[0]) + known.alpha_charts.size() * sizeof(uint32_t);
     host_.note_peak();
     return true;
+}
+
+/// How near each chart of a tile is: what a chart has to show depends on that, not on how near the tile is. From the
+/// first step alone, so that a choice does not depend on what else is here. A damaged step says nothing (and is noticed
+/// when it is drawn).
+void TileResidency::learn_chart_boxes(NodeIndex node, std::span<const std::byte> first_step) {
+    TileKnowledge& known = knowledge_.tiles[node];
+    if (known.chart_boxes_known || !learns_chart_boxes(directory_, node)) return;
+    const std::span<const StepRecord> step = std::span(directory_.node(node).record->steps(Layer::kMesh)).first(1);
+    const Scratch scratch(host_, first_step.size() + 2 * step[0].decoded_bytes);
+    const Stopwatch watch(counters_.decode_ms);
+    const std::vector<std::vector<std::byte>> wire = {{first_step.begin(), first_step.end()}};
+    DecodedPrefix prefix;
+    DecodeFailure failure;
+    if (!decompress_prefix(wire, step, prefix, failure)) return;
+    const auto mesh = codec::mesh::MeshLayerView::create(prefix.words, prefix.step_words, kAnyChart);
+    if (!mesh) return;
+    known.chart_boxes = chart_boxes_of(*mesh, tile_corner(directory_, node), double{step[0].error});
+    known.chart_boxes_known = true;
+    host_.fixed += known.chart_boxes.size() * sizeof(ChartBox);
+    host_.note_peak();
 }
 
 /// Which facades a tile has is known as soon as its placements are here, before anything is drawn: the budget counts
@@ -176,8 +202,9 @@ void TileResidency::remember(NodeIndex node, Layer layer, uint32_t steps, LayerF
         known.mesh_dressed_begin = facts.mesh_dressed_begin;
     } else if (layer == Layer::kAtlas) {
         known.charts_known = true;
-        known.chart_count = facts.chart_count;
-        known.coarsest_step_mip = facts.finest_mip + steps - 1;
+        known.atlas_form = facts.atlas.form;
+        known.chart_count = facts.atlas.chart_count;
+        known.coarsest_step_mip = facts.atlas.finest_mip + steps - 1;
     }
 }
 
@@ -223,7 +250,9 @@ void TileResidency::add_atlas(NodeIndex node, CachedLayer& atlas, const Selected
     const Facts& facts = facts_[node];
     cache_.mark_drawn(atlas);
     out.atlas = atlas.id;
+    out.atlas_form = facts.atlas_form;
     out.chart_count = facts.chart_count;
+    out.alpha_test = shows_alpha(knowledge_, knowledge_.tiles[node]);
     const uint32_t wanted = chosen != nullptr ? std::max<uint32_t>(1, chosen->steps_of(Layer::kAtlas)) : kAllSteps;
     out.atlas_finest_mip = facts.coarsest_step_mip - (std::min(wanted, atlas.store_steps) - 1);
     for (const auto& use : knowledge_.tiles[node].charts) {

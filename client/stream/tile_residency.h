@@ -64,6 +64,7 @@ class TileResidency {
   private:
     struct Facts {
         bool charts_known = false;
+        codec::atlas::AtlasForm atlas_form = codec::atlas::AtlasForm::kCharts;
         uint32_t chart_count = kAnyChart;
         uint32_t coarsest_step_mip = 0;  ///< finest mip of the atlas' first step
         uint32_t mesh_triangles = 0, mesh_dressed_begin = 0;
@@ -72,6 +73,7 @@ class TileResidency {
     NameLimits limits_of(NodeIndex node) const;
     void learn_facade_maps(NodeIndex node);
     bool learn_shared_charts(NodeIndex node, std::span<const std::byte> first_step);
+    void learn_chart_boxes(NodeIndex node, std::span<const std::byte> first_step);
     void add_atlas(NodeIndex node, CachedLayer& atlas, const SelectedTile* chosen, TileDraw& out);
     void upload_layer(NodeIndex node, tiles::tileset::Layer layer, uint32_t wanted);
     bool decode_to_store(CachedLayer& entry, NodeIndex node, tiles::tileset::Layer layer, uint32_t steps);

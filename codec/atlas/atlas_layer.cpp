@@ -5,8 +5,11 @@
 #include <cmath>
 #include <string>
 
+#include "codec/atlas/alpha_mask.h"
 #include "codec/atlas/atlas_layout.h"
 #include "codec/atlas/bc1.h"
+#include "codec/atlas/bc4.h"
+#include "codec/atlas/box_taps.h"
 #include "codec/atlas/mip_plan.h"
 #include "codec/atlas/shared_chart.h"
 #include "codec/atlas/step_blocks.h"
@@ -17,32 +20,15 @@ namespace {
 
 static_assert(kMipTableAt + 16 == ATLAS_HEADER_WORDS);
 
-/// One output texel's taps along one axis: texels 2i, 2i + 1, 2i + 2 of the finer mip, weights adding up to `total`.
-struct Taps {
-    uint32_t weight[3];
-    uint32_t total;
-};
-
-Taps box_taps(uint32_t i, uint32_t fine_side) {
-    if (fine_side == 1) return {{1, 0, 0}, 1};
-    if (fine_side % 2 == 0) return {{1, 1, 0}, 2};
-    const uint32_t half = fine_side / 2;
-    return {{half - i, half, i + 1}, fine_side};
-}
-
 /// The weighted mean of one output texel, channel by channel, rounded half up.
 void filter_texel(const ChartImage& fine, uint32_t x, uint32_t y, uint8_t out[3]) {
-    const Taps across = box_taps(x, fine.width);
-    const Taps up = box_taps(y, fine.height);
+    const BoxTaps across = box_taps(x, fine.width);
+    const BoxTaps up = box_taps(y, fine.height);
     uint64_t sum[3] = {};
-    for (uint32_t j = 0; j < 3; ++j) {
-        for (uint32_t i = 0; i < 3; ++i) {
-            const uint64_t weight = uint64_t{across.weight[i]} * up.weight[j];
-            if (weight == 0) continue;
-            const uint8_t* texel = &fine.rgb[3 * (size_t{2 * y + j} * fine.width + 2 * x + i)];
-            for (int c = 0; c < 3; ++c) sum[c] += weight * texel[c];
-        }
-    }
+    for_each_tap(across, up, [&](uint32_t i, uint32_t j, uint64_t weight) {
+        const uint8_t* texel = &fine.rgb[3 * (size_t{2 * y + j} * fine.width + 2 * x + i)];
+        for (int c = 0; c < 3; ++c) sum[c] += weight * texel[c];
+    });
     const uint64_t total = uint64_t{across.total} * up.total;
     for (int c = 0; c < 3; ++c) out[c] = static_cast<uint8_t>((2 * sum[c] + total) / (2 * total));
 }
@@ -57,15 +43,15 @@ void filter_even_row(const ChartImage& fine, uint32_t y, uint32_t width, uint8_t
     }
 }
 
-ChartSize size_of(const ChartImage& chart) {
-    return {chart.width, chart.height};
+ChartShape shape_of(const ChartImage& chart) {
+    return {chart.width, chart.height, !chart.alpha.empty()};
 }
 
 /// The largest texel of any chart when mip `mip` is the finest there is.
 float mip_error(std::span<const ChartImage> charts, uint32_t mip) {
     float error = 0;
     for (const ChartImage& chart : charts) {
-        const uint32_t own = std::min(mip, natural_mip_count(size_of(chart)) - 1);
+        const uint32_t own = std::min(mip, natural_mip_count(shape_of(chart)) - 1);
         error = std::max(error, std::ldexp(chart.metres_per_texel, static_cast<int>(own)));
     }
     return error;
@@ -77,16 +63,17 @@ class LayerEncoding {
     LayerEncoding(std::span<const ChartImage> charts, std::span<const SharedChartUse> shared,
                   const AtlasOptions& options)
         : charts_(charts), shared_(shared), options_(options), total_(charts.size() + shared.size()) {
-        for (const ChartImage& chart : charts) sizes_.push_back(size_of(chart));
-        plan_ = plan_mips(sizes_, total_);
+        for (const ChartImage& chart : charts) shapes_.push_back(shape_of(chart));
+        plan_ = plan_mips(shapes_, total_);
         place_charts();
         mips_.resize(charts.size());
         for (size_t i = 0; i < charts.size(); ++i) {
             assert(charts[i].width >= 1 && charts[i].width <= kGreatestChartSide);
             assert(charts[i].height >= 1 && charts[i].height <= kGreatestChartSide);
             assert(charts[i].rgb.size() == 3 * size_t{charts[i].width} * charts[i].height);
+            assert(charts[i].alpha.empty() || 3 * charts[i].alpha.size() == charts[i].rgb.size());
             mips_[i].push_back(charts[i]);
-            while (mips_[i].size() < plan_.chart_mips(sizes_[i])) mips_[i].push_back(downsample(mips_[i].back()));
+            while (mips_[i].size() < plan_.chart_mips(shapes_[i])) mips_[i].push_back(downsample(mips_[i].back()));
         }
     }
 
@@ -132,7 +119,8 @@ class LayerEncoding {
             const uint32_t repeat =
                 (chart.repeat_u ? ATLAS_CHART_REPEAT_U : 0u) | (chart.repeat_v ? ATLAS_CHART_REPEAT_V : 0u);
             entry(places_[i])[ATLAS_CHART_SIZE] = chart.width | chart.height << 16;
-            entry(places_[i])[ATLAS_CHART_FLAGS] = repeat | plan_.chart_mips(sizes_[i]) << 8;
+            const uint32_t alpha = shapes_[i].alpha ? ATLAS_CHART_ALPHA : 0u;
+            entry(places_[i])[ATLAS_CHART_FLAGS] = repeat | alpha | plan_.chart_mips(shapes_[i]) << 8;
         }
         for (const SharedChartUse& use : shared_) {
             entry(use.chart_in_tile)[ATLAS_CHART_SIZE] = use.number;
@@ -143,7 +131,7 @@ class LayerEncoding {
         uint64_t begin = words.size();
         for (uint32_t mip = plan_.mip_count; mip-- > 0;) {
             words[kMipTableAt + mip] = static_cast<uint32_t>(begin);
-            begin += part_words(sizes_, total_, plan_, mip);
+            begin += part_words(shapes_, total_, plan_, mip);
         }
         assert(begin <= ~uint32_t{0});
         return words;
@@ -152,10 +140,12 @@ class LayerEncoding {
     void append_part(std::vector<uint32_t>& words, StepBlocks& blocks, uint32_t mip) const {
         const size_t begin = words.size();
         words.resize(begin + total_, 0);
-        for (size_t i = 0; i < charts_.size(); ++i) {
-            if (mip >= mips_[i].size()) continue;
-            words[begin + places_[i]] = static_cast<uint32_t>(words.size() - begin);
-            blocks.append(mips_[i][mip].rgb, mips_[i][mip].width, mips_[i][mip].height);
+        for (const bool alpha : {false, true}) {
+            for (size_t i = 0; i < charts_.size(); ++i) {
+                if (shapes_[i].alpha != alpha || mip >= mips_[i].size()) continue;
+                words[begin + places_[i]] = static_cast<uint32_t>(words.size() - begin);
+                blocks.append(mips_[i][mip]);
+            }
         }
     }
 
@@ -163,7 +153,7 @@ class LayerEncoding {
     std::span<const SharedChartUse> shared_;
     AtlasOptions options_;
     uint64_t total_;
-    std::vector<ChartSize> sizes_;
+    std::vector<ChartShape> shapes_;
     MipPlan plan_;
     std::vector<uint32_t> places_;
     std::vector<std::vector<ChartImage>> mips_;
@@ -172,6 +162,7 @@ class LayerEncoding {
 }  // namespace
 
 ChartImage downsample(const ChartImage& image) {
+    if (!image.alpha.empty()) return downsample_masked(image);
     ChartImage coarse;
     coarse.width = mip_side(image.width, 1);
     coarse.height = mip_side(image.height, 1);
@@ -228,9 +219,8 @@ Status check_header(std::span<const uint32_t> words, std::span<const uint32_t> s
     return Done{};
 }
 
-ChartSize size_in_table(std::span<const uint32_t> words, uint64_t entry) {
-    const uint32_t size = words[entry + ATLAS_CHART_SIZE];
-    return {size & 0xffffu, size >> 16};
+ChartShape shape_in_table(std::span<const uint32_t> words, uint64_t entry) {
+    return chart_shape(words[entry + ATLAS_CHART_SIZE], words[entry + ATLAS_CHART_FLAGS]);
 }
 
 /// Of a chart's flags word; 0 for shared charts.
@@ -251,14 +241,14 @@ Status check_shared_chart(std::span<const uint32_t> words, uint64_t entry, uint6
 }
 
 Status check_local_chart(std::span<const uint32_t> words, uint64_t entry) {
-    const ChartSize size = size_in_table(words, entry);
+    const ChartShape size = shape_in_table(words, entry);
     if (size.width == 0 || size.height == 0 || size.width > kGreatestChartSide || size.height > kGreatestChartSide)
         return error_at("chart size out of range", entry + ATLAS_CHART_SIZE);
     const uint32_t flags = words[entry + ATLAS_CHART_FLAGS];
     if (mips_of(flags) <= words[ATLAS_WORD_STEP0_MIP] || mips_of(flags) > words[ATLAS_WORD_MIP_COUNT]) {
         return error_at("chart without a mip in step 0, or with more than the atlas has", entry + ATLAS_CHART_FLAGS);
     }
-    if ((flags & 0xffff00ffu & ~(ATLAS_CHART_REPEAT_U | ATLAS_CHART_REPEAT_V)) != 0)
+    if ((flags & 0xffff00ffu & ~(ATLAS_CHART_REPEAT_U | ATLAS_CHART_REPEAT_V | ATLAS_CHART_ALPHA)) != 0)
         return error_at("unknown chart flags", entry + ATLAS_CHART_FLAGS);
     return Done{};
 }
@@ -290,7 +280,7 @@ Status check_part(std::span<const uint32_t> words, uint32_t mip, uint64_t begin,
             continue;
         }
         const uint64_t room = end - part;
-        if (offset < charts || offset > room || block_words(size_in_table(words, entry), mip) > room - offset) {
+        if (offset < charts || offset > room || block_words(shape_in_table(words, entry), mip) > room - offset) {
             return error_at("blocks of mip " + std::to_string(mip) + " reach outside their step", part + chart);
         }
     }
@@ -343,6 +333,10 @@ uint32_t AtlasLayerView::mip_count(uint32_t chart) const {
     return mips_of(flags(chart));
 }
 
+bool AtlasLayerView::has_alpha(uint32_t chart) const {
+    return (flags(chart) & (ATLAS_CHART_SHARED | ATLAS_CHART_ALPHA)) == ATLAS_CHART_ALPHA;
+}
+
 bool AtlasLayerView::is_shared(uint32_t chart) const {
     return (flags(chart) & ATLAS_CHART_SHARED) != 0;
 }
@@ -357,13 +351,22 @@ std::vector<SharedChartUse> AtlasLayerView::shared_charts() const {
     return uses;
 }
 
-void AtlasLayerView::texel(uint32_t chart, uint32_t mip, uint32_t x, uint32_t y, uint8_t rgb[3]) const {
+const uint32_t* AtlasLayerView::block_of(uint32_t chart, uint32_t mip, uint32_t x, uint32_t y) const {
     assert(!is_shared(chart) && mip >= finest_mip_ && mip < mip_count(chart));
     assert(x < mip_side(width(chart), mip) && y < mip_side(height(chart), mip));
     const size_t part = words_[words_[ATLAS_WORD_MIP_TABLE] + mip];
     const size_t blocks_across = (mip_side(width(chart), mip) + 3) / 4;
-    const size_t block = part + words_[part + chart] + (y / 4 * blocks_across + x / 4) * kBc1BlockWords;
-    decode_bc1_texel(&words_[block], y % 4 * 4 + x % 4, rgb);
+    const size_t block = y / 4 * blocks_across + x / 4;
+    return &words_[part + words_[part + chart] + block * (has_alpha(chart) ? kBc3BlockWords : kBc1BlockWords)];
+}
+
+void AtlasLayerView::texel(uint32_t chart, uint32_t mip, uint32_t x, uint32_t y, uint8_t rgb[3]) const {
+    const uint32_t* block = block_of(chart, mip, x, y);
+    decode_bc1_texel(has_alpha(chart) ? block + kBc4BlockWords : block, y % 4 * 4 + x % 4, rgb);
+}
+
+uint8_t AtlasLayerView::alpha(uint32_t chart, uint32_t mip, uint32_t x, uint32_t y) const {
+    return has_alpha(chart) ? decode_bc4_texel(block_of(chart, mip, x, y), y % 4 * 4 + x % 4) : uint8_t{255};
 }
 
 }  // namespace citystream::codec::atlas

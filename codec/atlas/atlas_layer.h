@@ -18,10 +18,15 @@ struct ChartImage {
     bool repeat_u = false, repeat_v = false;
     float metres_per_texel = 0;  ///< of mip 0, the coarser axis; only for the stated error
     std::vector<uint8_t> rgb;    ///< 3 * width * height
+    /// width * height, not multiplied into the colours; empty: opaque. What is filtered to less than kAlphaTest is not
+    /// there.
+    std::vector<uint8_t> alpha = {};
 };
 
+inline constexpr int32_t kAlphaTest = 128;  ///< of 255: one half, as shaders and glTF's alphaCutoff have it
+
 /// The next coarser mip (max(1, size >> 1)), 2 x 2 box filter (odd sizes: weighted three-tap box), rounding half up;
-/// integer, deterministic.
+/// integer, deterministic. With alpha: alpha_mask.h.
 ChartImage downsample(const ChartImage& image);
 
 struct AtlasOptions {
@@ -41,7 +46,8 @@ struct SharedChartUse {
 /// Encodes. No charts: one step of header words. Precondition (programming error): sizes in range, rgb of matching
 /// size. Step 0 holds the mips whose parts sum to at most 4 KiB (at least the coarsest), each later step one finer mip.
 /// A chart has mips down to 1 x 1; one whose mips end above the finest of step 0 repeats its 1 x 1 mip up to there, so
-/// that every prefix shows every chart. A step's error: the largest metres_per_texel over the charts at that mip
+/// that every prefix shows every chart. Charts with alpha end at their last mip of kLeastAlphaTexels, or at the finest
+/// one of step 0. A step's error: the largest metres_per_texel over the charts at that mip
 /// (charts that already are at their finest count with their own).
 /// `shared` charts, ascending by chart_in_tile, take those places in the chart table; `charts` take the others in their
 /// order. They have no blocks here and no part in the errors: a layer without others has one step with error 0.
@@ -65,10 +71,14 @@ class AtlasLayerView {
     uint32_t flags(uint32_t chart) const;
     uint32_t mip_count(uint32_t chart)
         const;  ///< this chart's mips are finest_mip() .. mip_count(chart) - 1; sample at clamp(mip, these)
+    bool has_alpha(uint32_t chart) const;  ///< false for shared ones: their own layer knows
     /// One texel of a mip that the prefix holds; x, y inside the mip's size.
     void texel(uint32_t chart, uint32_t mip, uint32_t x, uint32_t y, uint8_t rgb[3]) const;
+    uint8_t alpha(uint32_t chart, uint32_t mip, uint32_t x, uint32_t y) const;  ///< of the same; 255 without alpha
 
   private:
+    const uint32_t* block_of(uint32_t chart, uint32_t mip, uint32_t x, uint32_t y) const;
+
     std::span<const uint32_t> words_;
     uint32_t finest_mip_ = 0;
 };

@@ -25,9 +25,11 @@
 /* A chart of the city's dictionary: the size word is its number there, it has no mips here (mip count 0), and bits
  * 16..31 are the upper half of the float of its metres per texel of mip 0. */
 #define ATLAS_CHART_SHARED 4u
+/* Its blocks are BC3, 4 words each: alpha (BC4), then colour. What is filtered to less than one half is not there. */
+#define ATLAS_CHART_ALPHA 8u
 
-/* A mip's part: chart_count words with the offset of each chart's BC1 blocks (relative to the part's start; 0 for
-   charts that have no such mip), then the blocks, 2 words each, rows of ceil(w/4) from the bottom (v = 0) up. Mip size:
-   max(1, size >> m). */
+/* A mip's part: chart_count words with the offset of each chart's blocks (relative to the part's start; 0 for
+   charts that have no such mip), then the blocks, 2 words each (4 with alpha), rows of ceil(w/4) from the bottom (v =
+   0) up. Mip size: max(1, size >> m). */
 
 #endif

@@ -72,16 +72,32 @@ struct CodeSums {
     int32_t squares[3] = {};
 };
 
+/// The three channels' numbers in one word, so that they are added at once: sums of 16 stay below 2^21 each.
+struct PackedTexel {
+    static constexpr uint32_t kBits = 21, kMask = (1u << kBits) - 1;
+
+    static uint64_t pack(uint64_t r, uint64_t g, uint64_t b) { return r | g << kBits | b << (2 * kBits); }
+    static int32_t channel(uint64_t packed, int c) { return static_cast<int32_t>(packed >> (c * kBits) & kMask); }
+};
+
 CodeSums sum_codes(const Bc1Texels& texels, uint32_t indices) {
+    uint64_t values[kTexels], squares = 0;
+    for (int i = 0; i < kTexels; ++i) {
+        const auto value = [&](int c) { return static_cast<uint32_t>(static_cast<int32_t>(texels.channel[c][i])); };
+        const uint32_t r = value(0), g = value(1), b = value(2);
+        values[i] = PackedTexel::pack(r, g, b);
+        squares += PackedTexel::pack(r * r, g * g, b * b);
+    }
+    uint64_t sum[4] = {};
     CodeSums sums;
     for (int i = 0; i < kTexels; ++i) {
         const uint32_t code = indices >> (2 * i) & 3u;
+        sum[code] += values[i];
         ++sums.count[code];
-        for (int c = 0; c < 3; ++c) {
-            const auto value = static_cast<int32_t>(texels.channel[c][i]);
-            sums.sum[c][code] += value;
-            sums.squares[c] += value * value;
-        }
+    }
+    for (int c = 0; c < 3; ++c) {
+        sums.squares[c] = PackedTexel::channel(squares, c);
+        for (int code = 0; code < 4; ++code) sums.sum[c][code] = PackedTexel::channel(sum[code], c);
     }
     return sums;
 }

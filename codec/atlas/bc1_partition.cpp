@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <vector>
+
+#include "codec/atlas/wide_loops.h"
 
 namespace citystream::codec::atlas {
 
@@ -16,30 +19,12 @@ constexpr int kMoves = 4;
 /// before rounding is not looked at. Saves a fifth of the time and costs 0.002 dB.
 constexpr float kMargin = 12;
 
-// One number of each block. Four floats are one register of every 64-bit processor.
-using Lanes = float __attribute__((vector_size(16)));
-using LaneInts = int32_t __attribute__((vector_size(16)));
-
-Lanes all(float value) {
-    return Lanes{value, value, value, value};
-}
-
-Lanes choose(LaneInts mask, Lanes yes, Lanes no) {
-    return reinterpret_cast<Lanes>((mask & reinterpret_cast<LaneInts>(yes)) | (~mask & reinterpret_cast<LaneInts>(no)));
-}
-
-Lanes larger(Lanes a, Lanes b) {
-    return choose(a > b, a, b);
-}
-
-/// `last` is a float or one per lane.
-template <typename Number>
-Lanes clamp_and_round(Lanes value, Number last) {
-    const Lanes limit = all(0) + last;
-    const Lanes below = choose(value < limit, value, limit);
-    const Lanes clamped = larger(below, all(0));
-    return __builtin_convertvector(__builtin_convertvector(clamped + 0.5f, LaneInts), Lanes);
-}
+// One number of each block. Only passed by reference: how vectors of 32 bytes are passed by value depends on the
+// processor.
+using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+using LaneInts = int32_t __attribute__((vector_size(kLanes * sizeof(int32_t))));
+// The channels of one block.
+using Quad = float __attribute__((vector_size(16)));
 
 /// Colours relative to the block's mean, in sixteenths times the root of the channel's weight.
 struct CentredColours {
@@ -49,80 +34,81 @@ struct CentredColours {
     float weight[3];
 };
 
-CentredColours centre(std::span<const Bc1Texels, kPartitionLanes> blocks, const ChannelWeights& weights) {
-    CentredColours centred;
+inline CITYSTREAM_INLINED void centre(std::span<const Bc1Texels, kPartitionLanes> blocks, const ChannelWeights& weights,
+                                      CentredColours& centred) {
     for (int c = 0; c < 3; ++c) {
         centred.weight[c] = static_cast<float>(weights.weight[c]);
         const float root = std::sqrt(centred.weight[c]);
         centred.unit[c] = 1.0f / (16.0f * root);
         Lanes sum = {};
         for (int i = 0; i < kTexels; ++i) {
-            for (int lane = 0; lane < kLanes; ++lane)
-                centred.channel[c][i][lane] = blocks[static_cast<size_t>(lane)].channel[c][i];
+            float values[kLanes];
+            for (size_t lane = 0; lane < kLanes; ++lane) values[lane] = blocks[lane].channel[c][i];
+            std::memcpy(&centred.channel[c][i], values, sizeof values);
             sum += centred.channel[c][i];
         }
         centred.mean[c] = sum * (1.0f / 16.0f);
         for (int i = 0; i < kTexels; ++i) centred.channel[c][i] = (centred.channel[c][i] * 16.0f - sum) * root;
     }
-    return centred;
 }
-
-struct Axis {
-    Lanes channel[3];
-};
 
 /// A symmetric 3 x 3 matrix: xx, xy, xz, yy, yz, zz.
 struct Symmetric {
     Lanes entry[6];
 
-    Lanes trace() const { return entry[0] + entry[3] + entry[5]; }
-    void scale(Lanes factor) {
+    /// The trace becomes about 1.
+    inline CITYSTREAM_INLINED void scale() {
+        constexpr float kTiny = 1e-12f;
+        const Lanes trace = entry[0] + entry[3] + entry[5], least = Lanes{} + kTiny;
+        const Lanes factor = 1.0f / (trace > least ? trace : least);
         for (Lanes& value : entry) value *= factor;
     }
-    Symmetric squared() const {
-        const auto& [xx, xy, xz, yy, yz, zz] = entry;
-        return {{xx * xx + xy * xy + xz * xz, xx * xy + xy * yy + xz * yz, xx * xz + xy * yz + xz * zz,
-                 xy * xy + yy * yy + yz * yz, xy * xz + yy * yz + yz * zz, xz * xz + yz * yz + zz * zz}};
+    inline CITYSTREAM_INLINED void square() {
+        const auto [xx, xy, xz, yy, yz, zz] = entry;
+        entry[0] = xx * xx + xy * xy + xz * xz;
+        entry[1] = xx * xy + xy * yy + xz * yz;
+        entry[2] = xx * xz + xy * yz + xz * zz;
+        entry[3] = xy * xy + yy * yy + yz * yz;
+        entry[4] = xy * xz + yy * yz + yz * zz;
+        entry[5] = xz * xz + yz * yz + zz * zz;
     }
 };
 
 /// Direction of the largest spread, about unit length; zero where the colours are equal. Squaring the covariance four
 /// times leaves little but its first eigenvector, in every column.
-Axis principal_axis(const CentredColours& colours) {
+inline CITYSTREAM_INLINED void principal_axis(const CentredColours& colours, Lanes axis[3]) {
     Symmetric matrix = {};
     const auto& [r, g, b] = colours.channel;
     for (int i = 0; i < kTexels; ++i) {
         const Lanes products[6] = {r[i] * r[i], r[i] * g[i], r[i] * b[i], g[i] * g[i], g[i] * b[i], b[i] * b[i]};
         for (int k = 0; k < 6; ++k) matrix.entry[k] += products[k];
     }
-    constexpr float kTiny = 1e-12f;
     for (int round = 0; round < 4; ++round) {
-        matrix.scale(1.0f / larger(matrix.trace(), all(kTiny)));
-        matrix = matrix.squared();
+        matrix.scale();
+        matrix.square();
     }
-    matrix.scale(1.0f / larger(matrix.trace(), all(kTiny)));
+    matrix.scale();
     // The column of the largest diagonal entry is the longest.
     const auto& [xx, xy, xz, yy, yz, zz] = matrix.entry;
     const LaneInts first = (xx >= yy) & (xx >= zz);
     const LaneInts second = yy >= zz;
-    return {choose(first, xx, choose(second, xy, xz)), choose(first, xy, choose(second, yy, yz)),
-            choose(first, xz, choose(second, yz, zz))};
-}
-
-void order_pair(Lanes& a, Lanes& b) {
-    const LaneInts swap = a > b;
-    const Lanes low = choose(swap, b, a);
-    b = choose(swap, a, b);
-    a = low;
+    const Lanes columns[2][3] = {{xy, yy, yz}, {xz, yz, zz}}, first_column[3] = {xx, xy, xz};
+    for (int c = 0; c < 3; ++c) {
+        const Lanes other = second ? columns[0][c] : columns[1][c];
+        axis[c] = first ? first_column[c] : other;
+    }
 }
 
 /// Batcher's odd-even merge sort: 63 exchanges for 16 keys.
-void sort_keys(Lanes keys[kTexels]) {
+inline CITYSTREAM_INLINED void sort_keys(Lanes keys[kTexels]) {
     for (int p = 1; p < kTexels; p *= 2) {
         for (int k = p; k >= 1; k /= 2) {
             for (int j = k % p; j + k < kTexels; j += 2 * k) {
                 for (int i = 0; i < k; ++i) {
-                    if ((i + j) / (2 * p) == (i + j + k) / (2 * p)) order_pair(keys[i + j], keys[i + j + k]);
+                    if ((i + j) / (2 * p) != (i + j + k) / (2 * p)) continue;
+                    const Lanes a = keys[i + j], b = keys[i + j + k];
+                    keys[i + j] = a < b ? a : b;
+                    keys[i + j + k] = a > b ? a : b;
                 }
             }
         }
@@ -130,13 +116,15 @@ void sort_keys(Lanes keys[kTexels]) {
 }
 
 /// order[rank][lane]: texels by their place along the axis, the furthest first.
-void order_texels(const CentredColours& colours, const Axis& axis, uint8_t order[kTexels][kLanes]) {
+inline CITYSTREAM_INLINED void order_texels(const CentredColours& colours, const Lanes axis[3],
+                                            uint8_t order[kTexels][kLanes]) {
     Lanes along[kTexels];
-    Lanes furthest = all(1e-6f);
+    Lanes furthest = Lanes{} + 1e-6f;
     for (int i = 0; i < kTexels; ++i) {
-        along[i] = all(0);
-        for (int c = 0; c < 3; ++c) along[i] += axis.channel[c] * colours.channel[c][i];
-        furthest = larger(furthest, larger(along[i], -along[i]));
+        along[i] = Lanes{};
+        for (int c = 0; c < 3; ++c) along[i] += axis[c] * colours.channel[c][i];
+        const Lanes far = along[i] > -along[i] ? along[i] : -along[i];
+        furthest = furthest > far ? furthest : far;
     }
     // A key holds the place in its upper bits, and the texel's number, so that no two are equal: whole, below 2^24.
     const Lanes scale = 500000.0f / furthest;
@@ -219,19 +207,46 @@ Partitions make_partitions() {
     return partitions;
 }
 
-/// A channel's part of what the error really falls by, with endpoints inside the range of colours and on their grid.
-/// `Number` is a channel of four blocks, or all channels of one.
-template <typename Number>
-Lanes rounded_gain(const Partition& partition, Lanes v, Lanes mean, Number last, Number to_grid, Number from_grid) {
-    const Lanes a = clamp_and_round((mean + v * partition.to0) * to_grid, last) * from_grid - mean;
-    const Lanes b = clamp_and_round((mean - v * partition.to1) * to_grid, last) * from_grid - mean;
-    return (a - b) * v * (2.0f / 3.0f) - a * a * partition.aa - a * b * partition.ab - b * b * partition.bb;
+template <typename Vector>
+struct IntsOf;
+template <>
+struct IntsOf<Lanes> {
+    using Type = LaneInts;
+};
+template <>
+struct IntsOf<Quad> {
+    using Type = int32_t __attribute__((vector_size(16)));
+};
+
+/// `last` is a float or a vector.
+template <typename Vector, typename Number>
+inline CITYSTREAM_INLINED void clamp_and_round(Vector& value, const Number& last) {
+    const Vector limit = Vector{} + last, none = {};
+    value = value < limit ? value : limit;
+    value = value > none ? value : none;
+    value = __builtin_convertvector(__builtin_convertvector(value + 0.5f, typename IntsOf<Vector>::Type), Vector);
 }
 
-bool any(LaneInts mask) {
-    using Halves = int64_t __attribute__((vector_size(16)));
-    const Halves halves = reinterpret_cast<Halves>(mask);
-    return (halves[0] | halves[1]) != 0;
+/// A channel's part of what the error really falls by, with endpoints inside the range of colours and on their grid.
+/// `Vector` is a channel of several blocks, or all channels of one.
+template <typename Vector, typename Number>
+inline CITYSTREAM_INLINED void rounded_gain(const Partition& partition, const Vector& v, const Vector& mean,
+                                            const Number& last, const Number& to_grid, const Number& from_grid,
+                                            Vector& gain) {
+    Vector a = (mean + v * partition.to0) * to_grid, b = (mean - v * partition.to1) * to_grid;
+    clamp_and_round(a, last);
+    clamp_and_round(b, last);
+    a = a * from_grid - mean;
+    b = b * from_grid - mean;
+    gain = (a - b) * v * (2.0f / 3.0f) - a * a * partition.aa - a * b * partition.ab - b * b * partition.bb;
+}
+
+inline CITYSTREAM_INLINED bool any(const LaneInts& mask) {
+    using Parts = int64_t __attribute__((vector_size(sizeof(LaneInts))));
+    const auto parts = reinterpret_cast<Parts>(mask);
+    int64_t all = 0;
+    for (size_t i = 0; i < sizeof(LaneInts) / sizeof(int64_t); ++i) all |= parts[i];
+    return all != 0;
 }
 
 /// Sums of the first colours along the axis.
@@ -239,26 +254,31 @@ struct Prefixes {
     Lanes sum[kTexels + 1][3];
 };
 
-Prefixes prefix_sums(const CentredColours& colours, const uint8_t order[kTexels][kLanes]) {
-    Prefixes prefixes = {};
-    for (int rank = 0; rank < kTexels; ++rank) {
-        for (int c = 0; c < 3; ++c) {
+inline CITYSTREAM_INLINED void add_prefixes(const CentredColours& colours, const uint8_t order[kTexels][kLanes],
+                                            Prefixes& prefixes) {
+    for (int c = 0; c < 3; ++c) {
+        prefixes.sum[0][c] = Lanes{};
+        float values[kTexels][kLanes];
+        std::memcpy(values, colours.channel[c], sizeof values);
+        for (int rank = 0; rank < kTexels; ++rank) {
+            float ordered[kLanes];
+            for (int lane = 0; lane < kLanes; ++lane) ordered[lane] = values[order[rank][lane]][lane];
             Lanes colour;
-            for (int lane = 0; lane < kLanes; ++lane) colour[lane] = colours.channel[c][order[rank][lane]][lane];
+            std::memcpy(&colour, ordered, sizeof colour);
             prefixes.sum[rank + 1][c] = prefixes.sum[rank][c] + colour;
         }
     }
-    return prefixes;
 }
 
 constexpr float kLast[3] = {31.0f, 63.0f, 31.0f};
 
-/// The best partition's number in each lane.
-LaneInts best_of(const std::vector<Partition>& partitions, const CentredColours& colours, const Prefixes& prefixes) {
+/// The best partition's number in each lane. Lanes do not touch each other.
+inline CITYSTREAM_INLINED void find_best(const std::vector<Partition>& partitions, const CentredColours& colours,
+                                         const Prefixes& prefixes, LaneInts& found) {
     const float margin = kMargin * (colours.weight[0] + colours.weight[1] + colours.weight[2]);
-    Lanes best = all(-1e30f);
+    Lanes best = Lanes{} - 1e30f;
     LaneInts number = {};
-    LaneInts found = {};
+    found = LaneInts{};
     for (const Partition& partition : partitions) {
         const Lanes* first = prefixes.sum[partition.first];
         const Lanes* second = prefixes.sum[partition.second];
@@ -267,49 +287,52 @@ LaneInts best_of(const std::vector<Partition>& partitions, const CentredColours&
         for (int c = 0; c < 3; ++c) v[c] = first[c] + second[c] + third[c];
         // The least squares' own gain is a bound for what is left of it on the grid: not all partitions need the
         // latter.
-        if (any((v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) * partition.gain > best + margin)) {
-            Lanes gain = all(0);
+        const LaneInts open = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) * partition.gain > best + margin;
+        if (any(open)) {
+            Lanes gain = {};
             for (int c = 0; c < 3; ++c) {
-                gain += rounded_gain(partition, v[c] * colours.unit[c], colours.mean[c], kLast[c], kLast[c] / 255.0f,
-                                     255.0f / kLast[c]) *
-                        colours.weight[c];
+                Lanes own;
+                rounded_gain(partition, Lanes(v[c] * colours.unit[c]), colours.mean[c], kLast[c], kLast[c] / 255.0f,
+                             255.0f / kLast[c], own);
+                gain += own * colours.weight[c];
             }
-            const LaneInts better = gain > best;
-            best = choose(better, gain, best);
-            found = (better & number) | (~better & found);
+            const LaneInts better = (gain > best) & open;
+            best = better ? gain : best;
+            found = better ? number : found;
         }
         number += 1;
     }
-    return found;
 }
 
 /// Moves to the best neighbour until there is none better, in one lane.
 const Partition& descend(const CentredColours& colours, const Prefixes& prefixes, int lane,
                          const Partitions& partitions, const Partition& from) {
-    Lanes sum[kTexels + 1];
+    Quad sum[kTexels + 1];
     for (int rank = 0; rank <= kTexels; ++rank) {
         const auto& channels = prefixes.sum[rank];
-        sum[rank] = Lanes{channels[0][lane], channels[1][lane], channels[2][lane], 0};
+        sum[rank] = Quad{channels[0][lane], channels[1][lane], channels[2][lane], 0};
     }
-    const Lanes unit = {colours.unit[0], colours.unit[1], colours.unit[2], 0};
-    const Lanes mean = {colours.mean[0][lane], colours.mean[1][lane], colours.mean[2][lane], 0};
-    const Lanes weight = {colours.weight[0], colours.weight[1], colours.weight[2], 0};
-    const Lanes last = {kLast[0], kLast[1], kLast[2], 1};
-    const Lanes to_grid = last / 255.0f, from_grid = 255.0f / last;
+    const Quad unit = {colours.unit[0], colours.unit[1], colours.unit[2], 0};
+    const Quad mean = {colours.mean[0][lane], colours.mean[1][lane], colours.mean[2][lane], 0};
+    const Quad weight = {colours.weight[0], colours.weight[1], colours.weight[2], 0};
+    const Quad last = {kLast[0], kLast[1], kLast[2], 1};
+    const Quad to_grid = last / 255.0f, from_grid = 255.0f / last;
     const Partition* best = &from;
     float best_gain = -1e30f;
     const auto weigh_neighbours = [&](const Partition& start) {
         for (int first = std::max(start.first - 1, 0); first <= std::min(start.first + 1, kTexels); ++first) {
             for (int second = std::max(start.second - 1, first); second <= std::min(start.second + 1, kTexels);
                  ++second) {
-                const Lanes low = sum[first] + sum[second];
+                const Quad low = sum[first] + sum[second];
                 for (int third = std::max(start.third - 1, second); third <= std::min(start.third + 1, kTexels);
                      ++third) {
                     const Partition& partition = partitions.at(first, second, third);
-                    const Lanes v = low + sum[third];
-                    const Lanes squares = v * v;
+                    const Quad v = low + sum[third];
+                    const Quad squares = v * v;
                     if ((squares[0] + squares[1] + squares[2]) * partition.gain <= best_gain) continue;
-                    const Lanes gains = rounded_gain(partition, v * unit, mean, last, to_grid, from_grid) * weight;
+                    Quad gains;
+                    rounded_gain(partition, Quad(v * unit), mean, last, to_grid, from_grid, gains);
+                    gains *= weight;
                     const float gain = gains[0] + gains[1] + gains[2];
                     if (gain <= best_gain) continue;
                     best_gain = gain;
@@ -345,13 +368,20 @@ void partition_texels(std::span<const Bc1Texels, kPartitionLanes> blocks, const 
     assert(std::all_of(std::begin(weights.weight), std::end(weights.weight),
                        [](uint32_t w) { return w >= 1 && w <= 85; }));
     static const Partitions partitions = make_partitions();
-    const CentredColours colours = centre(blocks, weights);
-    uint8_t order[kTexels][kLanes];
-    order_texels(colours, principal_axis(colours), order);
-    const Prefixes prefixes = prefix_sums(colours, order);
     const bool whole = search == PartitionSearch::kAll;
     const std::vector<Partition>& candidates = whole ? partitions.all : partitions.even;
-    const LaneInts found = best_of(candidates, colours, prefixes);
+    CentredColours colours;
+    Prefixes prefixes;
+    uint8_t order[kTexels][kLanes];
+    LaneInts found;
+    run_wide([&]() CITYSTREAM_INLINED {
+        centre(blocks, weights, colours);
+        Lanes axis[3];
+        principal_axis(colours, axis);
+        order_texels(colours, axis, order);
+        add_prefixes(colours, order, prefixes);
+        find_best(candidates, colours, prefixes, found);
+    });
     for (int lane = 0; lane < kLanes; ++lane) {
         const Partition& best = candidates[static_cast<size_t>(found[lane])];
         indices[static_cast<size_t>(lane)] =

@@ -1,5 +1,5 @@
 // Where the 16 texels of a block fall into the four colours of BC1: the partition along the block's principal axis
-// whose unquantised least-squares endpoints are best, among all of them (cluster fit), for four blocks at a time.
+// whose unquantised least-squares endpoints are best, among all of them (cluster fit), for eight blocks at a time.
 //
 // With centred colours the least-squares optimum of a partition is a closed form: let w be the weight (thirds) of c0 in
 // a texel's colour and v = sum of w * (colour - mean). Then the squared error falls by 144 |v|^2 / (aa bb - ab ab),
@@ -24,7 +24,7 @@ struct ChannelWeights {
     friend bool operator==(const ChannelWeights&, const ChannelWeights&) = default;
 };
 
-inline constexpr uint32_t kPartitionLanes = 4;
+inline constexpr uint32_t kPartitionLanes = 8;
 
 enum class PartitionSearch {
     kAll,   ///< all 965 partitions: cluster fit

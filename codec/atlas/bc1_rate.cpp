@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "codec/atlas/bc1_candidates.h"
+#include "codec/atlas/wide_loops.h"
 #include "codec/atlas/word_rate.h"
 
 namespace citystream::codec::atlas {
@@ -13,69 +15,13 @@ namespace {
 
 constexpr int kTexels = 16;
 constexpr uint32_t kMostWindow = 4096;
-constexpr size_t kRefits = 2;          ///< index words per block whose endpoints are fitted anew
-constexpr size_t kEndpointTrials = 2;  ///< earlier endpoints per block for which all index words are weighed
-constexpr int32_t kSixteenths = 16;
+constexpr size_t kRefits = 2;               ///< index words per block whose endpoints are fitted anew
+constexpr size_t kEndpointTrials = 2;       ///< earlier endpoints per block for which all index words are weighed
 constexpr uint32_t kMostLambda = 1u << 20;  ///< a byte costs at most 64 bits: J of a row stays below 2^31
 
 /// J in sixteenths.
 uint64_t weigh(uint64_t error, uint32_t lambda, uint32_t cost) {
-    return error * uint64_t{kSixteenths} + uint64_t{lambda} * cost;
-}
-
-/// Squared error of every byte of an index word (a row of four texels), for fixed endpoints.
-struct RowErrors {
-    std::array<std::array<int32_t, 256>, 4> error;  ///< below 2^26
-
-    explicit RowErrors(const float code_error[4][kTexels]) {
-        for (size_t row = 0; row < 4; ++row) {
-            int32_t pair[2][16];
-            for (size_t half = 0; half < 2; ++half) {
-                const size_t texel = 4 * row + 2 * half;
-                for (size_t codes = 0; codes < 16; ++codes) {
-                    pair[half][codes] = static_cast<int32_t>(code_error[codes & 3][texel]) +
-                                        static_cast<int32_t>(code_error[codes >> 2][texel + 1]);
-                }
-            }
-            for (size_t high = 0; high < 16; ++high) {
-                for (size_t low = 0; low < 16; ++low) error[row][high * 16 + low] = pair[0][low] + pair[1][high];
-            }
-        }
-    }
-
-    uint32_t of(uint32_t word) const {
-        return static_cast<uint32_t>(error[0][word & 255] + error[1][word >> 8 & 255] + error[2][word >> 16 & 255] +
-                                     error[3][word >> 24]);
-    }
-
-    /// The word whose rows are each best by J (in sixteenths) when their bytes are literals of these costs times
-    /// lambda.
-    uint32_t best_literals(std::span<const int32_t, 256> byte_costs) const {
-        uint32_t word = 0;
-        for (uint32_t row = 0; row < 4; ++row) {
-            std::array<int32_t, 256> j;
-            int32_t least = std::numeric_limits<int32_t>::max();
-            for (size_t byte = 0; byte < 256; ++byte) {
-                j[byte] = error[row][byte] * kSixteenths + byte_costs[byte];
-                least = std::min(least, j[byte]);
-            }
-            word |= static_cast<uint32_t>(std::find(j.begin(), j.end(), least) - j.begin()) << (8 * row);
-        }
-        return word;
-    }
-};
-
-/// The error when every texel has its nearest colour.
-uint32_t least_error(const float code_error[4][kTexels]) {
-    float nearest[kTexels];
-    for (int i = 0; i < kTexels; ++i) {
-        const float low = std::min(code_error[0][i], code_error[1][i]);
-        const float high = std::min(code_error[2][i], code_error[3][i]);
-        nearest[i] = std::min(low, high);
-    }
-    uint32_t sum = 0;
-    for (const float error : nearest) sum += static_cast<uint32_t>(static_cast<int32_t>(error));
-    return sum;
+    return error * uint64_t{kErrorUnits} + uint64_t{lambda} * cost;
 }
 
 bool equal_endpoints(uint32_t endpoints) {
@@ -83,23 +29,33 @@ bool equal_endpoints(uint32_t endpoints) {
 }
 
 /// The few candidates with the least J.
+template <size_t kCapacity>
 struct Shortlist {
     struct Entry {
-        uint64_t j;
-        uint32_t word;
+        uint64_t j = UINT64_MAX;
+        uint32_t word = 0;
     };
-    size_t capacity;
-    std::vector<Entry> entries;  ///< ascending
+    std::array<Entry, kCapacity> slots;  ///< ascending
+    size_t count = 0;
 
-    explicit Shortlist(size_t most) : capacity(most) { entries.reserve(most + 1); }
+    std::span<const Entry> entries() const { return {slots.data(), count}; }
     /// What a further entry must be below.
-    uint64_t worst() const { return entries.size() == capacity ? entries.back().j : ~uint64_t{0}; }
+    uint64_t worst() const { return slots.back().j; }
     void offer(uint64_t j, uint32_t word) {
-        if (capacity == 0 || j >= worst()) return;
-        auto place = entries.begin();
-        while (place != entries.end() && place->j <= j) ++place;
-        entries.insert(place, {j, word});
-        if (entries.size() > capacity) entries.pop_back();
+        if (j >= worst()) return;
+        size_t place = std::min(count, kCapacity - 1);
+        for (; place > 0 && slots[place - 1].j > j; --place) slots[place] = slots[place - 1];
+        slots[place] = {j, word};
+        count = std::min(count + 1, kCapacity);
+    }
+    /// Offers js[i], words[i] for all i.
+    void offer_all(std::span<const uint64_t> js, std::span<const uint32_t> words) {
+        uint64_t below = worst();
+        for (size_t i = 0; i < js.size(); ++i) {
+            if (js[i] >= below) continue;
+            offer(js[i], words[i]);
+            below = worst();
+        }
     }
 };
 
@@ -109,62 +65,16 @@ struct Bc1RateEncoder::State {
     Bc1RateOptions options;
     WordRate endpoints, indices;
     Bc1RateTotals totals;
-    std::vector<uint32_t> endpoint_costs, index_costs;  ///< of the recent words
+    std::vector<uint32_t> endpoint_costs, index_costs;  ///< of the recent words, times lambda
     std::vector<int32_t> endpoint_bounds;               ///< of the error with them
+    std::vector<uint64_t> index_js;                     ///< of the recent index words, with some endpoints
+    std::vector<uint32_t> trial_words, trial_costs, trial_errors;
+    std::vector<uint64_t> trial_js;
 
     explicit State(const Bc1RateOptions& given) : options(given), endpoints(given.window), indices(given.window) {}
 };
 
 namespace {
-
-/// What bounds a block's error from below for any indices: extremes and sums of its channels.
-struct BlockRange {
-    int32_t low[3], high[3], sum[3];
-
-    explicit BlockRange(const Bc1Texels& texels) {
-        for (int c = 0; c < 3; ++c) {
-            low[c] = 255;
-            high[c] = sum[c] = 0;
-            for (const float texel : texels.channel[c]) {
-                const auto value = static_cast<int32_t>(texel);
-                low[c] = std::min(low[c], value);
-                high[c] = std::max(high[c], value);
-                sum[c] += value;
-            }
-        }
-    }
-
-    /// The texels' mean is no nearer to the colours between the endpoints than the texels are on average (squares are
-    /// convex); nor are the texels of the extremes. Without branches, for many endpoints at once.
-    int32_t least_error(uint32_t endpoints, const std::array<int32_t, 3>& weights) const {
-        int32_t bound = 0;
-        for (int c = 0; c < 3; ++c) {
-            const int32_t from = level(endpoints, c), to = level(endpoints >> 16, c);
-            const int32_t first = std::min(from, to), last = std::max(from, to);
-            const int32_t off = std::max(std::max(sum[c] - kTexels * last, kTexels * first - sum[c]), 0);
-            const int32_t above = std::max(high[c] - last, 0), below = std::max(first - low[c], 0);
-            bound += std::max(off * off >> 4, above * above + below * below) * weights[static_cast<size_t>(c)];
-        }
-        return bound;
-    }
-
-  private:
-    static int32_t level(uint32_t colour, int channel) {
-        if (channel == 1) return static_cast<int32_t>((colour >> 3 & 0xfcu) | (colour >> 9 & 3u));
-        const uint32_t field = channel == 0 ? colour >> 11 : colour;
-        return static_cast<int32_t>((field << 3 & 0xf8u) | (field >> 2 & 7u));
-    }
-};
-
-/// Bounds for recent endpoints.
-void least_errors(const BlockRange& range, std::span<const WordRate::Seen> recent, const ChannelWeights& weights,
-                  std::vector<int32_t>& bounds) {
-    bounds.resize(recent.size());
-    std::array<int32_t, 3> weight;
-    for (size_t c = 0; c < 3; ++c) weight[c] = static_cast<int32_t>(weights.weight[c]);
-    int32_t* out = bounds.data();
-    for (size_t i = 0; i < recent.size(); ++i) out[i] = range.least_error(recent[i].word, weight);
-}
 
 /// The search for one block's words.
 class BlockChoice {
@@ -177,17 +87,19 @@ class BlockChoice {
           chosen_(best),
           limit_(best.error + uint64_t{kTexels} * state.options.most_rise_per_texel) {
         j_ = weigh(best.error, lambda_, state.endpoints.cost(best.endpoints) + state.indices.cost(best.indices));
-        state.endpoints.recent_costs(state.endpoint_costs);
-        state.indices.recent_costs(state.index_costs);
+        state.endpoints.recent_costs(state.endpoint_costs, lambda_);
+        state.indices.recent_costs(state.index_costs, lambda_);
+        state.index_js.resize(state.index_costs.size());
+        least_index_cost_ = uint64_t{lambda_} * state.indices.least_cost();
+        other_index_cost_ = std::max(least_index_cost_, least_other_index_cost());
         for (size_t byte = 0; byte < 256; ++byte)
             byte_costs_[byte] = static_cast<int32_t>(lambda_ * state.indices.byte_costs()[byte]);
     }
 
     Bc1Block search() {
         const uint32_t own = chosen_.endpoints;
-        float code_error[4][kTexels];
-        bc1_code_errors(texels_, weights_, own, code_error);
-        try_indices(own, state_.endpoints.cost(own), code_error, true);
+        try_indices(own, state_.endpoints.cost(own), Bc1RowErrors(texels_, weights_, own));
+        refit_endpoints(own);
         try_endpoints(own);
         return chosen_;
     }
@@ -201,30 +113,63 @@ class BlockChoice {
         chosen_ = block;
     }
 
-    /// Weighs the index words there are to choose from, for endpoints that cost `endpoint_cost`; `refit`: also with new
-    /// endpoints for those that fit best.
-    void try_indices(uint32_t endpoints, uint32_t endpoint_cost, const float code_error[4][kTexels], bool refit) {
-        const RowErrors rows(code_error);
+    /// Weighs the index words there are to choose from, for endpoints that cost `endpoint_cost`.
+    void try_indices(uint32_t endpoints, uint32_t endpoint_cost, const Bc1RowErrors& rows) {
         const WordRate& indices = state_.indices;
-        if (equal_endpoints(endpoints)) {
-            take_if_better({endpoints, 0, rows.of(0)}, endpoint_cost + indices.cost(0));
-            return;
-        }
-        const uint32_t literals = rows.best_literals(byte_costs_);
-        take_if_better({endpoints, literals, rows.of(literals)}, endpoint_cost + indices.cost(literals));
-        Shortlist shortlist(refit ? kRefits : 0);
-        uint32_t next = 0;
-        if (indices.continuation(next)) {
-            take_if_better({endpoints, next, rows.of(next)}, endpoint_cost + indices.cost(next));
-            if (refit) shortlist.offer(0, next);
-        }
-        const std::span<const WordRate::Seen> recent = indices.recent();
+        const auto take = [&](uint32_t word) {
+            take_if_better({endpoints, word, rows.of(word)}, endpoint_cost + indices.cost(word));
+        };
+        if (equal_endpoints(endpoints)) return take(0);
+        take(rows.cheapest(byte_costs_));
+        try_continuation(endpoints, endpoint_cost, rows);
+        const std::span<const uint32_t> recent = indices.recent();
+        const uint64_t endpoint_j = uint64_t{lambda_} * endpoint_cost;
+        if (rows.weigh(recent, state_.index_costs, state_.index_js) + endpoint_j >= j_) return;
         for (size_t i = 0; i < recent.size(); ++i) {
-            const uint32_t error = rows.of(recent[i].word), cost = state_.index_costs[i];
-            take_if_better({endpoints, recent[i].word, error}, endpoint_cost + cost);
-            if (refit) shortlist.offer(weigh(error, lambda_, cost), recent[i].word);
+            const uint64_t j = state_.index_js[i] + endpoint_j;
+            if (j >= j_) continue;
+            const uint32_t error = rows.of(recent[i]);
+            if (error > limit_) continue;
+            j_ = j;
+            chosen_ = {endpoints, recent[i], error};
         }
-        for (const Shortlist::Entry& entry : shortlist.entries) {
+    }
+
+    /// Weighs the index word that makes a match longer, where there is one.
+    void try_continuation(uint32_t endpoints, uint32_t endpoint_cost, const Bc1RowErrors& rows) {
+        uint32_t next = 0;
+        if (state_.indices.continuation(next))
+            take_if_better({endpoints, next, rows.of(next)}, endpoint_cost + state_.indices.cost(next));
+    }
+
+    /// What all index words but the one that makes a match longer cost at least, times lambda; 0 outside matches.
+    uint64_t least_other_index_cost() const {
+        uint32_t next = 0;
+        if (!state_.indices.continuation(next)) return 0;
+        const uint32_t* words = state_.indices.recent().data();
+        const uint32_t* costs = state_.index_costs.data();
+        const size_t count = state_.index_costs.size();
+        uint32_t least = lambda_ * state_.indices.least_other_cost();
+        run_wide([=, &least]() CITYSTREAM_INLINED {
+            uint32_t smallest = least;
+            for (size_t i = 0; i < count; ++i) {
+                const uint32_t none = words[i] == next ? UINT32_MAX : 0;
+                smallest = std::min(smallest, costs[i] | none);
+            }
+            least = smallest;
+        });
+        return least;
+    }
+
+    /// New endpoints for the index words that fit best with the block's own, which were tried last.
+    void refit_endpoints(uint32_t own) {
+        if (equal_endpoints(own)) return;
+        const WordRate& indices = state_.indices;
+        Shortlist<kRefits> shortlist;
+        uint32_t next = 0;
+        if (indices.continuation(next)) shortlist.offer(0, next);
+        shortlist.offer_all(state_.index_js, indices.recent());
+        for (const auto& entry : shortlist.entries()) {
             const Bc1Block fitted = ordered_bc1(fit_bc1_endpoints(texels_, weights_, entry.word));
             // One colour alone shows no indices: its error is not that of the indices it was fitted to.
             if (equal_endpoints(fitted.endpoints)) continue;
@@ -234,29 +179,71 @@ class BlockChoice {
 
     /// Endpoints that occurred before.
     void try_endpoints(uint32_t own) {
-        const BlockRange range(texels_);
-        Shortlist shortlist(kEndpointTrials);
-        const std::span<const WordRate::Seen> recent = state_.endpoints.recent();
-        float code_error[4][kTexels];
-        const auto offer = [&](uint32_t word, uint32_t cost, uint64_t bound) {
-            if (word == own || weigh(bound, lambda_, cost) >= std::min(j_, shortlist.worst())) return;
-            bc1_code_errors(texels_, weights_, word, code_error);
-            const uint32_t error = least_error(code_error);
-            if (error <= limit_) shortlist.offer(weigh(error, lambda_, cost), word);
-        };
         uint32_t next = 0;
-        const bool goes_on = state_.endpoints.continuation(next);
-        if (goes_on) offer(next, state_.endpoints.cost(next), 0);
-        least_errors(range, recent, weights_, state_.endpoint_bounds);
+        const bool goes_on = state_.endpoints.continuation(next) && next != own;
+        list_trials(own, goes_on ? &next : nullptr);
+        const std::span<const uint32_t> words = state_.trial_words, costs = state_.trial_costs;
+        std::vector<uint32_t>& errors = state_.trial_errors;
+        errors.resize(words.size());
+        least_bc1_errors(texels_, weights_, words, errors);
+        std::vector<uint64_t>& js = state_.trial_js;
+        js.resize(words.size());
+        weigh_errors(errors, costs, js);
+        Shortlist<kEndpointTrials> shortlist;
+        shortlist.offer_all(js, words);
+        for (const auto& entry : shortlist.entries()) {
+            if (entry.j + least_index_cost_ >= j_) break;
+            const Bc1RowErrors rows(texels_, weights_, entry.word);
+            const uint32_t cost = state_.endpoints.cost(entry.word);
+            if (entry.j + other_index_cost_ >= j_ && !equal_endpoints(entry.word)) {
+                try_continuation(entry.word, cost, rows);
+            } else {
+                try_indices(entry.word, cost, rows);
+            }
+        }
+    }
+
+    /// J of each error and cost; UINT64_MAX where the error is too large.
+    void weigh_errors(std::span<const uint32_t> errors, std::span<const uint32_t> costs, std::span<uint64_t> js) const {
+        const uint32_t *error = errors.data(), *cost = costs.data();
+        uint64_t* out = js.data();
+        const size_t count = js.size();
+        const uint64_t limit = limit_;
+        run_wide([=]() CITYSTREAM_INLINED {
+            CITYSTREAM_INDEPENDENT
+            for (size_t i = 0; i < count; ++i)
+                out[i] = error[i] <= limit ? error[i] * uint64_t{kErrorUnits} + cost[i] : UINT64_MAX;
+        });
+    }
+
+    /// Lists `next`, where there is one, and other recent endpoints whose error may be small enough; not `own`.
+    void list_trials(uint32_t own, const uint32_t* next) {
+        const std::span<const uint32_t> recent = state_.endpoints.recent();
+        std::vector<int32_t>& bounds = state_.endpoint_bounds;
+        bounds.resize(recent.size());
+        bound_bc1_errors(texels_, weights_, recent, bounds);
+        state_.trial_words.resize(recent.size() + 2);
+        state_.trial_costs.resize(recent.size() + 2);
+        const uint64_t below = j_ - std::min(j_, least_index_cost_), limit = limit_;
+        const uint32_t* costs = state_.endpoint_costs.data();
+        uint32_t *trial_words = state_.trial_words.data(), *trial_costs = state_.trial_costs.data();
+        size_t count = 0;
+        if (next != nullptr) {
+            trial_words[0] = *next;
+            trial_costs[0] = lambda_ * state_.endpoints.cost(*next);
+            ++count;
+        }
+        const uint32_t other = next != nullptr ? *next : own;
         for (size_t i = 0; i < recent.size(); ++i) {
-            if (goes_on && recent[i].word == next) continue;
-            offer(recent[i].word, state_.endpoint_costs[i], static_cast<uint64_t>(state_.endpoint_bounds[i]));
+            const uint32_t word = recent[i], cost = costs[i];
+            trial_words[count] = word;
+            trial_costs[count] = cost;
+            const uint64_t bound = static_cast<uint32_t>(bounds[i]);
+            const bool open = bound * kErrorUnits + cost < below && bound <= limit;
+            count += static_cast<size_t>(open & (word != own) & (word != other));
         }
-        for (const Shortlist::Entry& entry : shortlist.entries) {
-            if (entry.j >= j_) break;
-            bc1_code_errors(texels_, weights_, entry.word, code_error);
-            try_indices(entry.word, state_.endpoints.cost(entry.word), code_error, false);
-        }
+        state_.trial_words.resize(count);
+        state_.trial_costs.resize(count);
     }
 
     Bc1RateEncoder::State& state_;
@@ -266,7 +253,8 @@ class BlockChoice {
     Bc1Block chosen_;
     uint64_t limit_;
     uint64_t j_;
-    std::array<int32_t, 256> byte_costs_;  ///< of index words, times lambda
+    uint64_t least_index_cost_, other_index_cost_;  ///< times lambda
+    std::array<int32_t, 256> byte_costs_;           ///< of index words, times lambda
 };
 
 }  // namespace

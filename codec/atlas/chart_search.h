@@ -34,8 +34,8 @@ struct SearchSettings {
 };
 
 struct SearchResult {
-    Image image;       ///< the chart, exactly as 8-bit sRGB shows it; chart_image(image) loses nothing (but for alpha)
-    double error = 0;  ///< of the image, enlarged bilinearly to the original's size: at most metric.largest_error()
+    Image image;         ///< the chart, exactly as 8-bit sRGB shows it; chart_image(image) loses nothing
+    double error = 0;    ///< of the image, enlarged bilinearly to the original's size: at most metric.largest_error()
     uint32_t calls = 0;  ///< of the metric, in all orders
 };
 

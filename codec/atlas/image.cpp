@@ -83,7 +83,21 @@ void encode_srgb(std::span<const float> in, std::span<float> out) {
 }
 
 Image linear_image(const ChartImage& image) {
-    return linear_image(image.width, image.height, 3, image.rgb);
+    return linear_rows(image, 0, image.height);
+}
+
+Image linear_rows(const ChartImage& image, uint32_t y, uint32_t count) {
+    const size_t first = size_t{y} * image.width, area = size_t{count} * image.width;
+    Image out = linear_image(image.width, count, 3, std::span(image.rgb).subspan(3 * first, 3 * area));
+    if (image.alpha.empty()) return out;
+    out.channels = 4;
+    out.texels.resize(4 * area);
+    for (size_t i = 0; i < area; ++i) {
+        const float alpha = static_cast<float>(image.alpha[first + i]) / 255;
+        for (uint32_t c = 0; c < 3; ++c) out.texels[c * area + i] *= alpha;
+        out.texels[3 * area + i] = alpha;
+    }
+    return out;
 }
 
 Image linear_image(uint32_t width, uint32_t height, uint32_t channels, std::span<const uint8_t> bytes) {
@@ -136,6 +150,8 @@ ChartImage chart_image(const Image& image) {
         for (uint32_t c = 0; c < 3; ++c)
             out.rgb[3 * i + c] = bytes[i * image.channels + std::min(c, image.channels - 1)];
     }
+    if (image.channels < 4) return out;
+    for (size_t i = 0; i < image.area(); ++i) out.alpha.push_back(bytes[4 * i + 3]);
     return out;
 }
 

@@ -49,8 +49,10 @@ uint8_t srgb_of_linear(float value);
 /// clamped. Same sizes; the spans may be the same, else must not overlap. About 1 ns a value.
 void encode_srgb(std::span<const float> in, std::span<float> out);
 
-/// 3 channels. Precondition (programming error): rgb.size() == 3 * width * height.
+/// 3 channels, 4 with alpha. Precondition (programming error): rgb.size() == 3 * width * height.
 Image linear_image(const ChartImage& image);
+/// Rows y .. y + count - 1 of the same.
+Image linear_rows(const ChartImage& image, uint32_t y, uint32_t count);
 
 /// From interleaved sRGB bytes of 1 (grey), 3 (RGB) or 4 channels (RGB not multiplied by alpha, alpha linear).
 /// Precondition: bytes.size() == channels * width * height.
@@ -59,7 +61,7 @@ Image linear_image(uint32_t width, uint32_t height, uint32_t channels, std::span
 /// Back to interleaved sRGB bytes, rounded to nearest; a texel of alpha 0 is black.
 std::vector<uint8_t> srgb_bytes(const Image& image);
 
-/// The bytes as a chart: the first three channels (grey is repeated), alpha dropped (colours divided by it). Repeat
+/// The bytes as a chart: colours (grey is repeated; divided by alpha) and alpha where there are four channels. Repeat
 /// flags and metres_per_texel are left for the caller.
 ChartImage chart_image(const Image& image);
 

@@ -171,13 +171,13 @@ Image resample(const Image& image, uint32_t width, uint32_t height, Shrink filte
 Image resample(const ChartImage& image, uint32_t width, uint32_t height, Shrink filter, Edges edges) {
     assert(image.width >= 1 && image.height >= 1 && image.rgb.size() == 3 * size_t{image.width} * image.height);
     if (width >= image.width) return resample(linear_image(image), width, height, filter, edges);
-    Image narrow(width, image.height, 3);
+    Image narrow(width, image.height, image.alpha.empty() ? 3 : 4);
     WidthPass pass(image.width, width, filter, edges.repeat_u);
     for (uint32_t y = 0; y < image.height; y += kStripRows) {
         const uint32_t count = std::min(kStripRows, image.height - y);
-        const std::span<const uint8_t> bytes(&image.rgb[3 * size_t{y} * image.width], 3 * size_t{count} * image.width);
-        const Image strip = linear_image(image.width, count, 3, bytes);
-        for (uint32_t c = 0; c < 3; ++c) pass.resample(strip.plane(c).data(), count, narrow.row(c, y).data());
+        const Image strip = linear_rows(image, y, count);
+        for (uint32_t c = 0; c < narrow.channels; ++c)
+            pass.resample(strip.plane(c).data(), count, narrow.row(c, y).data());
     }
     if (filter == Shrink::kLanczos) clamp_unit(narrow);
     return resample_height(narrow, height, filter, edges.repeat_v);

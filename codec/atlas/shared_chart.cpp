@@ -19,7 +19,15 @@ namespace {
 
 constexpr uint32_t kTableWords = 1;  // of the one chart, in every part
 
-MipPlan plan_of(ChartSize chart) {
+ChartShape shape_of(uint32_t width, uint32_t height, uint32_t flags) {
+    return {width, height, (flags & ATLAS_CHART_ALPHA) != 0};
+}
+
+uint32_t words_of_block(const ChartShape& chart) {
+    return chart.alpha ? kBc3BlockWords : kBc1BlockWords;
+}
+
+MipPlan plan_of(const ChartShape& chart) {
     return plan_mips(std::span(&chart, 1), kTableWords);
 }
 
@@ -29,7 +37,7 @@ struct BlockRun {
 };
 
 /// The mips of a level, coarsest first: each the one word of its table, then its blocks.
-std::vector<BlockRun> runs_of_level(ChartSize chart, uint32_t step) {
+std::vector<BlockRun> runs_of_level(const ChartShape& chart, uint32_t step) {
     const MipPlan plan = plan_of(chart);
     assert(step <= plan.step0_mip);
     const uint32_t coarsest = step == 0 ? plan.mip_count - 1 : plan.step0_mip - step;
@@ -43,8 +51,8 @@ std::vector<BlockRun> runs_of_level(ChartSize chart, uint32_t step) {
 }
 
 /// The words of a level, blocks zero: as encode_atlas writes them.
-std::vector<uint32_t> tables_of_level(ChartSize chart, uint32_t flags, uint32_t step) {
-    std::vector<uint32_t> words(atlas_step_words(chart.width, chart.height, step), 0);
+std::vector<uint32_t> tables_of_level(const ChartShape& chart, uint32_t flags, uint32_t step) {
+    std::vector<uint32_t> words(atlas_step_words(chart.width, chart.height, flags, step), 0);
     for (const BlockRun& run : runs_of_level(chart, step)) words[run.begin - kTableWords] = kTableWords;
     if (step > 0) return words;
     const MipPlan plan = plan_of(chart);
@@ -69,18 +77,18 @@ uint32_t checksum_of_frame(std::span<const std::byte> frame) {
 
 }  // namespace
 
-uint32_t atlas_step_count(uint32_t width, uint32_t height) {
-    return plan_of({width, height}).step0_mip + 1;
+uint32_t atlas_step_count(uint32_t width, uint32_t height, uint32_t flags) {
+    return plan_of(shape_of(width, height, flags)).step0_mip + 1;
 }
 
-uint32_t atlas_step_finest_mip(uint32_t width, uint32_t height, uint32_t step) {
-    const uint32_t step0_mip = plan_of({width, height}).step0_mip;
+uint32_t atlas_step_finest_mip(uint32_t width, uint32_t height, uint32_t flags, uint32_t step) {
+    const uint32_t step0_mip = plan_of(shape_of(width, height, flags)).step0_mip;
     assert(step <= step0_mip);
     return step0_mip - step;
 }
 
-uint32_t atlas_step_words(uint32_t width, uint32_t height, uint32_t step) {
-    const ChartSize chart{width, height};
+uint32_t atlas_step_words(uint32_t width, uint32_t height, uint32_t flags, uint32_t step) {
+    const ChartShape chart = shape_of(width, height, flags);
     const MipPlan plan = plan_of(chart);
     assert(step <= plan.step0_mip);
     const auto words_of = [&](uint32_t mip) { return part_words(std::span(&chart, 1), kTableWords, plan, mip); };
@@ -91,8 +99,8 @@ uint32_t atlas_step_words(uint32_t width, uint32_t height, uint32_t step) {
 }
 
 std::vector<std::vector<std::byte>> encode_chart_levels(const LayerSteps& steps, int zstd_level) {
-    const uint32_t size = steps[0].words[ATLAS_HEADER_WORDS + ATLAS_CHART_SIZE];
-    const ChartSize chart{size & 0xffffu, size >> 16};
+    const ChartShape chart = chart_shape(steps[0].words[ATLAS_HEADER_WORDS + ATLAS_CHART_SIZE],
+                                         steps[0].words[ATLAS_HEADER_WORDS + ATLAS_CHART_FLAGS]);
     std::vector<std::vector<std::byte>> payloads;
     for (uint32_t step = 0; step < steps.size(); ++step) {
         std::vector<uint32_t> blocks;
@@ -101,7 +109,7 @@ std::vector<std::vector<std::byte>> encode_chart_levels(const LayerSteps& steps,
             blocks.insert(blocks.end(), own.begin(), own.end());
         }
         std::vector<uint32_t> planes(blocks.size());
-        split_block_planes(blocks, kBc1BlockWords, planes);
+        split_block_planes(blocks, words_of_block(chart), planes);
         const std::vector<std::byte> frame = bits::compress_frame(std::as_bytes(std::span(planes)), zstd_level);
         std::vector<std::byte>& payload = payloads.emplace_back(kChartChecksumBytes);
         const uint32_t checksum = checksum_of_frame(frame);
@@ -121,7 +129,7 @@ bool chart_level_is_whole(std::span<const std::byte> payload) {
 Result<std::vector<uint32_t>> decode_chart_level(std::span<const std::byte> payload, uint32_t width, uint32_t height,
                                                  uint32_t flags, uint32_t step) {
     if (!chart_level_is_whole(payload)) return Error{"shared chart: checksum of a level differs"};
-    const ChartSize chart{width, height};
+    const ChartShape chart = shape_of(width, height, flags);
     const std::vector<BlockRun> runs = runs_of_level(chart, step);
     size_t block_words = 0;
     for (const BlockRun& run : runs) block_words += run.words;
@@ -129,7 +137,7 @@ Result<std::vector<uint32_t>> decode_chart_level(std::span<const std::byte> payl
     if (!raw) return raw.error();
     std::vector<uint32_t> planes(block_words), blocks(block_words);
     std::memcpy(planes.data(), raw->data(), raw->size());
-    join_block_planes(planes, kBc1BlockWords, blocks);
+    join_block_planes(planes, words_of_block(chart), blocks);
     std::vector<uint32_t> words = tables_of_level(chart, flags, step);
     std::span<const uint32_t> next = blocks;
     for (const BlockRun& run : runs) {
@@ -142,14 +150,14 @@ Result<std::vector<uint32_t>> decode_chart_level(std::span<const std::byte> payl
 Result<AtlasLayerView> shared_chart_view(std::span<const uint32_t> words, uint32_t width, uint32_t height,
                                          uint32_t flags, uint32_t level_count) {
     std::vector<uint32_t> step_words;
-    for (uint32_t step = 0; step < level_count; ++step) step_words.push_back(atlas_step_words(width, height, step));
+    for (uint32_t step = 0; step < level_count; ++step)
+        step_words.push_back(atlas_step_words(width, height, flags, step));
     auto view = AtlasLayerView::create(words, step_words);
     if (!view) return view;
-    constexpr uint32_t kRepeats = ATLAS_CHART_REPEAT_U | ATLAS_CHART_REPEAT_V;
     if (view->chart_count() != 1 || view->width(0) != width || view->height(0) != height ||
-        (view->flags(0) & kRepeats) != flags)
+        (view->flags(0) & kSharedChartFlags) != flags)
         return Error{"shared chart: not the one that the index lists"};
-    if (view->finest_mip() != atlas_step_finest_mip(width, height, level_count - 1))
+    if (view->finest_mip() != atlas_step_finest_mip(width, height, flags, level_count - 1))
         return Error{"shared chart: its levels hold other mips than they should"};
     return view;
 }

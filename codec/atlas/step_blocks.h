@@ -1,10 +1,12 @@
-// BC1 blocks of the images that make up one step of a layer, appended to its words.
+// Blocks of the images that make up one step of a layer, appended to its words.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
+
+#include "codec/atlas/atlas_layer.h"
 
 namespace citystream::codec::atlas {
 
@@ -19,8 +21,10 @@ class StepBlocks {
     StepBlocks(const StepBlocks&) = delete;
     StepBlocks& operator=(const StepBlocks&) = delete;
 
-    /// Appends the blocks of an image (RGB, 3 * width * height bytes; sides >= 1), bottom row first; beyond its edges
+    /// Appends the blocks of an image (sides >= 1), bottom row first: BC1, or BC3 where it has alpha; beyond its edges
     /// the last column and row repeat.
+    void append(const ChartImage& image);
+    /// BC1 of RGB, 3 * width * height bytes.
     void append(std::span<const uint8_t> rgb, uint32_t width, uint32_t height);
 
   private:

@@ -8,8 +8,9 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
+
+#include "codec/atlas/word_positions.h"
 
 namespace citystream::codec::atlas {
 
@@ -33,30 +34,33 @@ class WordRate {
     uint32_t size() const { return static_cast<uint32_t>(words_.size()); }
     uint32_t operator[](uint32_t position) const { return words_[position]; }
 
-    struct Seen {
-        uint32_t word;
-        uint32_t position;  ///< where it last occurred
-    };
     /// The latest distinct words, the last one first.
-    std::span<const Seen> recent() const { return recent_; }
-    /// Cost of a word that last occurred at a position.
-    uint32_t cost_of(const Seen& seen) const;
-    /// Costs of all of recent(), in its order.
-    void recent_costs(std::vector<uint32_t>& costs) const;
+    std::span<const uint32_t> recent() const { return recent_words_; }
+    /// Costs of all of recent(), in its order, times `scale`.
+    void recent_costs(std::vector<uint32_t>& costs, uint32_t scale = 1) const;
+    /// What any word costs at least as the next one.
+    uint32_t least_cost() const;
+    /// The same of a word that recent() does not have and that makes no match longer.
+    uint32_t least_other_cost() const;
     /// The word that would make the match that the last word was in one word longer; false if it was in none.
     bool continuation(uint32_t& word) const;
 
   private:
+    uint32_t literal_sum(uint32_t word) const;
     uint32_t literal_cost(uint32_t word) const;
+    uint32_t cost_of(uint32_t word, uint32_t position) const;
+    size_t place_of(uint32_t word) const;
     void update_costs();
     void remember(uint32_t word, uint32_t position);
 
     uint32_t window_;
     std::vector<uint32_t> words_;
-    std::vector<Seen> recent_;
-    std::unordered_map<uint32_t, uint32_t> last_position_;  ///< looked up only, never walked
+    /// Of the latest distinct words: where each last occurred, and its literal_sum.
+    std::vector<uint32_t> recent_words_, recent_positions_, recent_literals_;
+    WordPositions last_position_;
     std::array<uint64_t, 256> counts_ = {};
     std::array<uint32_t, 256> byte_costs_;
+    uint32_t least_byte_cost_ = 0;
     uint32_t last_distance_ = 0;  ///< of the latest match
     bool in_match_ = false;       ///< the last word was one
 };

@@ -232,6 +232,12 @@ uint32_t MeshLayerView::packed_normal(uint32_t vertex) const {
     return words_[words_[MESH_WORD_NORMALS] + vertex / 2] >> (16 * (vertex & 1u)) & 0xffffu;
 }
 
+void MeshLayerView::texcoord_base(uint32_t triangle, int32_t out[2]) const {
+    const uint32_t entry = chart_entry(triangle);
+    out[0] = static_cast<int32_t>(words_[entry + MESH_CHART_BASE_U]);
+    out[1] = static_cast<int32_t>(words_[entry + MESH_CHART_BASE_V]);
+}
+
 void MeshLayerView::texcoord(uint32_t vertex, uint32_t triangle, int32_t out[2]) const {
     const uint32_t entry = chart_entry(triangle);
     const uint32_t q = words_[words_[MESH_WORD_TEXCOORDS] + vertex];

@@ -62,6 +62,9 @@ class MeshLayerView {
     /// Position (tile-relative grid units) as the shader computes it: the known high bits, rounded.
     void position(uint32_t vertex, int32_t out[3]) const;
     uint32_t packed_normal(uint32_t vertex) const;  ///< 16 bits
+    /// Where the texture coordinates of the triangle's chart begin in this tile, 2^-16 repeats: shaders leave its whole
+    /// repeats out.
+    void texcoord_base(uint32_t triangle, int32_t out[2]) const;
     /// Texture coordinate in 2^-16 repeats of a corner of `triangle` (the chart decides the scale).
     void texcoord(uint32_t vertex, uint32_t triangle, int32_t out[2]) const;
 

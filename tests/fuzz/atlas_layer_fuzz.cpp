@@ -25,6 +25,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
             uint8_t rgb[3];
             view->texel(chart, mip, 0, 0, rgb);
             view->texel(chart, mip, right, top, rgb);
+            view->alpha(chart, mip, right, top);
         }
     }
     return 0;

@@ -22,12 +22,13 @@ struct Asked {
 void decode(std::span<const std::byte> payload, const Asked& asked) {
     const auto words = atlas::decode_chart_level(payload, asked.width, asked.height, asked.flags, asked.step);
     if (!words) return;
-    if (words->size() != atlas::atlas_step_words(asked.width, asked.height, asked.step)) std::abort();
+    if (words->size() != atlas::atlas_step_words(asked.width, asked.height, asked.flags, asked.step)) std::abort();
     if (asked.step > 0) return;
     const auto view = atlas::shared_chart_view(*words, asked.width, asked.height, asked.flags, 1);
     if (!view) std::abort();
     uint8_t rgb[3];
     view->texel(0, view->mip_count(0) - 1, 0, 0, rgb);
+    if (view->alpha(0, view->mip_count(0) - 1, 0, 0) < 255 && !view->has_alpha(0)) std::abort();
 }
 
 }  // namespace
@@ -37,8 +38,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     Asked asked{};
     asked.width = 1 + (data[0] + 256U * data[1]) % 8192;
     asked.height = 1 + (data[2] + 256U * data[3]) % 8192;
-    asked.flags = data[4] & 3U;
-    asked.step = data[5] % atlas::atlas_step_count(asked.width, asked.height);
+    asked.flags = data[4] & atlas::kSharedChartFlags;
+    asked.step = data[5] % atlas::atlas_step_count(asked.width, asked.height, asked.flags);
     const std::span<const std::byte> rest(reinterpret_cast<const std::byte*>(data) + 6, size - 6);
     decode(rest, asked);
     std::vector<std::byte> payload(4);

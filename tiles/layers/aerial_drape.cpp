@@ -139,7 +139,7 @@ city::Image read_block(const std::string& path, uint32_t x0, uint32_t x1, uint32
     const size_t row_bytes = size_t{3} * block.width, file_row = size_t{3} * (*file)->width();
     const uint32_t height = (*file)->height();
     block.rgb.resize(row_bytes * block.height);
-    const Status read = (*file)->visit_rows([&](uint32_t top, uint32_t count, std::span<const uint8_t> rgb) {
+    const Status read = (*file)->visit_rows([&](uint32_t top, uint32_t count, std::span<const uint8_t> rgb, auto) {
         for (uint32_t i = 0; i < count; ++i) {
             const uint32_t y = height - 1 - (top + i);
             if (y < y0 || y >= y1) continue;

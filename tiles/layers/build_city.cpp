@@ -37,6 +37,7 @@ class CityBuild {
         const auto begin = std::chrono::steady_clock::now();
         if (Status status = open_spools(); !status) return status.error();
         if (Status status = take_objects(source); !status) return status.error();
+        clock_.lap("objects");
         if (Status status = build(); !status) return status.error();
         BuildSummary summary;
         summary.manifest = manifest_;
@@ -44,6 +45,7 @@ class CityBuild {
         summary.archive_bytes = std::filesystem::file_size(options_.output);
         if (reference_) summary.reference_bytes = std::filesystem::file_size(options_.reference);
         summary.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        summary.stages = clock_.times();
         summary.peak_memory_bytes = peak_memory();
         summary.images = images_;
         if (dresser_) {
@@ -117,20 +119,24 @@ class CityBuild {
         const bool made_up_ground = options_.auto_ground && !objects_->has_ground();
         auto tree = quadtree::make_tile_tree(*objects_, {options_.leaf_triangles, made_up_ground});
         if (!tree) return tree.error();
+        clock_.lap("tree");
         const auto prepared = prepare_city_images();
         if (!prepared) return prepared.error();
+        clock_.lap("images");
         ImageCache images(catalog_, static_cast<size_t>(options_.memory_limit / 6), prepared->get());
         FacadePainter facades(catalog_, images);
         const auto numbers = number_facades(*objects_, catalog_.facade_maps, options_.merge_tolerance_mm);
         if (!numbers) return numbers.error();
         const auto dictionary = encode_facades(*numbers);
         if (!dictionary) return dictionary.error();
+        clock_.lap("facades");
         Preview preview(objects_->extent(), images);
-        const TileWorkshop workshop{
+        TileWorkshop workshop{
             catalog_, images, facades, *numbers, options_.layers, tree->origin, {options_.rate_distortion}};
+        if (in_pages()) workshop.pages = {options_.page_mips, options_.rate_distortion};
         ChartDictionary charts;
         auto tiles = build_tiles({options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, charts,
-                                  *chart_spool_, preview, made_up_ground});
+                                  *chart_spool_, preview, clock_, made_up_ground});
         if (!tiles) return tiles.error();
         for (const BuiltTile& tile : *tiles) hidden_facades_ += tile.hidden_facades;
         fill_manifest(*tree, tiles->front().record.bounds, made_up_ground);
@@ -140,6 +146,7 @@ class CityBuild {
                                                 charts, *chart_spool_, picture, options_});
             !status)
             return status;
+        clock_.lap("archive");
         for (city::Defect& defect : images.take_defects()) report_.add(std::move(defect));
         if (!reference_) return Done{};
         if (made_up_ground) {
@@ -158,6 +165,7 @@ class CityBuild {
         if (!uses) return uses.error();
         ImagePreparationOptions how;
         if (has_atlas()) how.saliency = options_.saliency;
+        how.texel_metres = options_.texture_law.finest;
         how.jobs = options_.jobs;
         how.budget_bytes = options_.memory_limit / 2;
         how.cancel = options_.cancel;
@@ -170,6 +178,7 @@ class CityBuild {
         return prepared;
     }
 
+    bool in_pages() const { return options_.atlas_form == codec::atlas::AtlasForm::kPages; }
     bool has_atlas() const { return options_.layers[static_cast<size_t>(tileset::Layer::kAtlas)]; }
 
     /// The dictionary; empty where no tile will name its maps.
@@ -210,12 +219,17 @@ class CityBuild {
         if (drape_) manifest_.build_options += fmt::format(" aerial={}", options_.aerial.size());
         if (options_.saliency.kind != codec::atlas::MetricKind::kNone && has_atlas())
             manifest_.build_options += " saliency=" + codec::atlas::to_string(options_.saliency);
+        if (const std::string law = to_string(options_.texture_law); law != to_string(TextureLaw()) && has_atlas())
+            manifest_.build_options += " texture-law=" + law;
         if (options_.rate_distortion > 0 && has_atlas())
             manifest_.build_options += fmt::format(" rate-distortion={}", options_.rate_distortion);
+        if (in_pages() && has_atlas())
+            manifest_.build_options += fmt::format(" atlas-form=pages page-mips={}", options_.page_mips);
     }
 
     const BuildOptions& options_;
     city::CityReport& report_;
+    StageClock clock_;
     city::CityHeader header_;
     city::CityCatalog catalog_;
     std::optional<Dresser> dresser_;
@@ -234,6 +248,11 @@ class CityBuild {
 }  // namespace
 
 Result<BuildSummary> build_city(const BuildOptions& options, const CitySource& source, city::CityReport& report) {
+    if (options.atlas_form == codec::atlas::AtlasForm::kPages) {
+        if (options.shared_charts) return Error{"pages share no charts (their charts lie in the tiles)"};
+        if (options.page_mips > PAGES_MOST_MIPS)
+            return Error{fmt::format("pages of {} mips; at most {} are possible", options.page_mips, PAGES_MOST_MIPS)};
+    }
     return CityBuild(options, report).run(source);
 }
 

@@ -48,6 +48,13 @@ ContentHash hash_of(const ChartRecord& record, std::span<const std::byte> payloa
     return codec::atlas::content_hash({{uint32_t{record.width} | uint32_t{record.height} << 16, record.flags}, words});
 }
 
+/// Not of one colour, and of as many levels as the dictionary has places for.
+bool is_worth_sharing(const ChartImage& image) {
+    if (image.alpha.empty()) return !codec::atlas::flat_colour(image.rgb);
+    return codec::atlas::atlas_step_count(image.width, image.height, ATLAS_CHART_ALPHA) <=
+           codec::atlas::kMostChartLevels;
+}
+
 /// The chart and its payloads, one behind the other.
 std::pair<CodedChart, std::vector<std::byte>> code_chart(ChartImage image, codec::atlas::AtlasOptions options) {
     CodedChart chart;
@@ -56,7 +63,8 @@ std::pair<CodedChart, std::vector<std::byte>> code_chart(ChartImage image, codec
     ChartRecord& record = chart.record;
     record.width = static_cast<uint16_t>(image.width);
     record.height = static_cast<uint16_t>(image.height);
-    record.flags = image.repeat_u ? ATLAS_CHART_REPEAT_U | ATLAS_CHART_REPEAT_V : 0;
+    const uint32_t repeats = image.repeat_u ? ATLAS_CHART_REPEAT_U | ATLAS_CHART_REPEAT_V : 0;
+    record.flags = static_cast<uint8_t>(repeats | (image.alpha.empty() ? 0 : ATLAS_CHART_ALPHA));
     record.colour = mean_of(image);
     std::vector<std::byte> bytes;
     const auto levels = codec::atlas::encode_chart_levels(codec::atlas::encode_atlas(std::span(&image, 1), options));
@@ -160,7 +168,7 @@ Result<std::vector<CodedChart>> code_all(std::span<const CityWishes::Candidate> 
     const Status status = stage.run(candidates.size(), [&](size_t i) -> Status {
         const CityWishes::Candidate& candidate = candidates[i];
         const auto image = image_of(candidate.key, candidate.demand.coarseness, sources);
-        if (!image || codec::atlas::flat_colour(image->rgb)) return Done{};
+        if (!image || !is_worth_sharing(*image)) return Done{};
         const MemoryPass pass(gate, kBytesPerTexel * image->width * image->height);
         ChartImage chart = *image;
         chart.repeat_u = chart.repeat_v = candidate.key.repeats();

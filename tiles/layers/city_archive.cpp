@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "codec/atlas/atlas_layout.h"
 #include "tiles/archive/archive.h"
 #include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/facade_index.h"
@@ -52,6 +53,7 @@ void count_tiles(const ArchiveContents& contents) {
     for (size_t i = 0; i < contents.tiles.size(); ++i) {
         const tileset::TileRecord& record = contents.tiles[i].record;
         if (contents.tree.nodes[i].leaf) manifest.triangles += contents.tiles[i].triangles;
+        manifest.needs_version_5 |= contents.tiles[i].needs_version_5;
         for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
             const auto& steps = record.layers[layer];
             if (steps.empty()) continue;
@@ -60,6 +62,11 @@ void count_tiles(const ArchiveContents& contents) {
             for (const tileset::StepRecord& step : steps) manifest.decoded_bytes[layer] += step.decoded_bytes;
         }
     }
+}
+
+void note_alpha(const ArchiveContents& contents) {
+    for (const tileset::ChartRecord& chart : contents.charts.records())
+        contents.manifest.needs_version_5 |= (chart.flags & ATLAS_CHART_ALPHA) != 0;
 }
 
 Status add_text(archive::ArchiveWriter& writer, const std::string& name, const std::string& text) {
@@ -121,6 +128,7 @@ Status add_directory(archive::ArchiveWriter& writer, const ArchiveContents& cont
 
 Status write_city_archive(const ArchiveContents& contents) {
     count_tiles(contents);
+    note_alpha(contents);
     auto opened = archive::ArchiveWriter::create(contents.options.output);
     if (!opened) return opened.error();
     archive::ArchiveWriter& writer = **opened;

@@ -9,6 +9,10 @@ namespace {
 
 constexpr uint64_t kMeanTexels = 64 * 64;
 
+size_t bytes_of(const ChartImage& image) {
+    return image.rgb.size() + image.alpha.size();
+}
+
 uint64_t key_of(uint32_t image, uint32_t level) {
     return uint64_t{image} << 8 | level;
 }
@@ -46,13 +50,15 @@ std::array<uint8_t, 3> rounded_colour(const std::array<uint8_t, 3>& rgb) {
 
 std::array<uint8_t, 3> mean_of(const ChartImage& image) {
     std::array<double, 3> sum{};
+    double weights = 0;
     const size_t texels = size_t{image.width} * image.height;
     for (size_t i = 0; i < texels; ++i) {
-        for (size_t c = 0; c < 3; ++c) sum[c] += static_cast<double>(srgb_to_linear(image.rgb[3 * i + c]));
+        const double weight = image.alpha.empty() ? 1 : image.alpha[i];
+        for (size_t c = 0; c < 3; ++c) sum[c] += weight * static_cast<double>(srgb_to_linear(image.rgb[3 * i + c]));
+        weights += weight;
     }
     std::array<uint8_t, 3> mean{};
-    for (size_t c = 0; c < 3; ++c)
-        mean[c] = linear_to_srgb(static_cast<float>(sum[c] / static_cast<double>(std::max<size_t>(texels, 1))));
+    for (size_t c = 0; c < 3; ++c) mean[c] = linear_to_srgb(static_cast<float>(sum[c] / std::max(weights, 1.0)));
     return mean;
 }
 
@@ -67,11 +73,11 @@ void ImageCache::keep(uint64_t key, const std::shared_ptr<const ChartImage>& pix
     if (entries_.count(key) != 0) return;
     uses_.push_front(key);
     entries_[key] = {pixels, uses_.begin()};
-    used_ += pixels->rgb.size();
+    used_ += bytes_of(*pixels);
     peak_ = std::max(peak_, used_);
     while (used_ > budget_ && uses_.size() > 1) {
         const auto oldest = entries_.find(uses_.back());
-        used_ -= oldest->second.pixels->rgb.size();
+        used_ -= bytes_of(*oldest->second.pixels);
         entries_.erase(oldest);
         uses_.pop_back();
     }
@@ -146,6 +152,14 @@ std::optional<std::array<uint32_t, 2>> ImageCache::sides(uint32_t image) {
     const auto finest = mip(image, 0);
     if (!finest) return std::nullopt;
     return std::array<uint32_t, 2>{finest->width, finest->height};
+}
+
+bool ImageCache::has_alpha(uint32_t image) {
+    if (prepared_ != nullptr && image < catalog_.images.size() &&
+        prepared_->state(image) != PreparedImages::State::kUnknown)
+        return prepared_->has_alpha(image);
+    const auto finest = mip(image, 0);
+    return finest && !finest->alpha.empty();
 }
 
 std::array<uint8_t, 3> ImageCache::mean_colour(uint32_t material) {

@@ -32,6 +32,9 @@ class ImageCache {
     /// Sides of mip 0, which is not read where the image was prepared; nothing when it cannot be read.
     std::optional<std::array<uint32_t, 2>> sides(uint32_t image);
 
+    /// Whether what shows the image can be seen through.
+    bool has_alpha(uint32_t image);
+
     /// Mean colour of a material, averaged in linear light; its flat colour when it has no readable image.
     std::array<uint8_t, 3> mean_colour(uint32_t material);
 
@@ -72,7 +75,7 @@ uint8_t linear_to_srgb(float value);
 /// Rounded to 5 bits a channel, about what BC1 keeps: colours that look alike become equal, and share a chart.
 std::array<uint8_t, 3> rounded_colour(const std::array<uint8_t, 3>& rgb);
 
-/// Mean colour of an image, averaged in linear light.
+/// Mean colour of an image, averaged in linear light, by alpha.
 std::array<uint8_t, 3> mean_of(const ChartImage& image);
 
 }  // namespace citystream::tiles::layers

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <utility>
 #include <vector>
+
+#include "codec/atlas/alpha_mask.h"
 
 namespace citystream::tiles::layers {
 namespace {
@@ -30,6 +33,11 @@ void to_rgb(std::span<const uint8_t> raw, size_t channels, std::vector<uint8_t>&
     }
 }
 
+void pick_channel(std::span<const uint8_t> raw, size_t channels, size_t channel, std::vector<uint8_t>& out) {
+    out.resize(raw.size() / channels);
+    for (size_t i = 0; i < out.size(); ++i) out[i] = raw[i * channels + channel];
+}
+
 }  // namespace
 
 struct ImageFile::Input {
@@ -39,6 +47,7 @@ struct ImageFile::Input {
     size_t pixel_bytes = 0;
     bool tiled = false;
     uint32_t channels = 0, strip_rows = kStripRows;
+    std::optional<uint32_t> alpha;  ///< channel
     uint32_t width = 0, height = 0;
     int x = 0, y = 0, z = 0;  ///< of the top left pixel
     std::vector<uint8_t> native;
@@ -94,6 +103,8 @@ Result<std::unique_ptr<ImageFile>> ImageFile::open(const std::string& path) {
     input->pixel_bytes = spec.pixel_bytes(true);
     input->tiled = spec.tile_width > 0;
     input->channels = static_cast<uint32_t>(spec.nchannels);
+    if (spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels)
+        input->alpha = static_cast<uint32_t>(spec.alpha_channel);
     input->width = static_cast<uint32_t>(spec.width);
     input->height = static_cast<uint32_t>(spec.height);
     if (input->tiled) input->strip_rows = static_cast<uint32_t>(std::max(spec.tile_height, 1));
@@ -105,19 +116,50 @@ Result<std::unique_ptr<ImageFile>> ImageFile::open(const std::string& path) {
 }
 
 uint64_t ImageFile::strip_bytes() const {
-    return uint64_t{width_} * input_->strip_rows * (3 + input_->channels + input_->pixel_bytes);
+    return uint64_t{width_} * input_->strip_rows *
+           (3U + (has_alpha() ? 1U : 0U) + input_->channels + input_->pixel_bytes);
+}
+
+bool ImageFile::has_alpha() const {
+    return input_->alpha.has_value();
 }
 
 Status ImageFile::visit_rows(const Visit& visit) {
-    std::vector<uint8_t> raw, rgb;
+    std::vector<uint8_t> raw, rgb, alpha;
     for (uint32_t y = 0; y < height_; y += input_->strip_rows) {
         const uint32_t count = std::min(input_->strip_rows, height_ - y);
         if (!input_->read(y, count, raw))
             return Error{"cannot decode image " + input_->path + ": " + one_line(input_->file->geterror())};
         to_rgb(raw, input_->channels, rgb);
-        visit(y, count, rgb);
+        if (input_->alpha) pick_channel(raw, input_->channels, *input_->alpha, alpha);
+        visit(y, count, rgb, alpha);
     }
     return Done{};
+}
+
+Result<ChartImage> read_whole(ImageFile& file) {
+    ChartImage out{file.width(), file.height(), false, false, 0, {}};
+    out.rgb.resize(3 * size_t{out.width} * out.height);
+    if (file.has_alpha()) out.alpha.resize(size_t{out.width} * out.height);
+    const auto copy_row = [&](std::span<const uint8_t> from, size_t row, uint32_t i, uint32_t y,
+                              std::vector<uint8_t>& to) {
+        std::copy_n(from.begin() + static_cast<ptrdiff_t>(i * row), row,
+                    to.begin() + static_cast<ptrdiff_t>((out.height - 1 - y - i) * row));
+    };
+    const Status read =
+        file.visit_rows([&](uint32_t y, uint32_t count, std::span<const uint8_t> rgb, std::span<const uint8_t> alpha) {
+            for (uint32_t i = 0; i < count; ++i) {
+                copy_row(rgb, size_t{3} * out.width, i, y, out.rgb);
+                if (!alpha.empty()) copy_row(alpha, out.width, i, y, out.alpha);
+            }
+        });
+    if (!read) return read.error();
+    return out;
+}
+
+void settle_alpha(ChartImage& image) {
+    if (codec::atlas::all_there(image.alpha)) image.alpha = {};
+    codec::atlas::fill_hidden_colours(image);
 }
 
 Result<ChartImage> decode_image(const std::string& path) {
@@ -128,16 +170,8 @@ Result<ChartImage> decode_image(const std::string& path) {
         return Error{"cannot use image " + path + ": " + std::to_string(rows.width()) + " x " +
                      std::to_string(rows.height()) + " pixels are too many"};
     }
-    ChartImage out{rows.width(), rows.height(), false, false, 0, {}};
-    const size_t row_bytes = size_t{3} * out.width;
-    out.rgb.resize(row_bytes * out.height);
-    const Status read = rows.visit_rows([&](uint32_t y, uint32_t count, std::span<const uint8_t> rgb) {
-        for (uint32_t i = 0; i < count; ++i) {
-            std::copy_n(rgb.begin() + static_cast<ptrdiff_t>(i * row_bytes), row_bytes,
-                        out.rgb.begin() + static_cast<ptrdiff_t>((out.height - 1 - y - i) * row_bytes));
-        }
-    });
-    if (!read) return read.error();
+    auto out = read_whole(rows);
+    if (out) settle_alpha(*out);
     return out;
 }
 

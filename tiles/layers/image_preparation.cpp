@@ -9,6 +9,7 @@
 #include <thread>
 #include <utility>
 
+#include "codec/atlas/alpha_mask.h"
 #include "codec/atlas/chart_content.h"
 #include "codec/atlas/resample.h"
 #include "tiles/layers/area_reduction.h"
@@ -25,9 +26,9 @@ using codec::atlas::MetricKind;
 using codec::atlas::Shrink;
 using Clock = std::chrono::steady_clock;
 
-constexpr uint64_t kTexel = 3, kLinearTexel = 3 * sizeof(float);  // bytes
-/// Bytes a texel that search_chart holds at most, with every metric: five linear images, and what the metrics prepare.
-constexpr uint64_t kSearchTexel = 5 * kLinearTexel + 120;
+/// Bytes a texel that search_chart holds at most, with every metric: five linear images, and what the metrics prepare
+/// (with alpha, for two backgrounds).
+constexpr uint64_t kSearchImages = 5, kMetricTexel = 120;
 /// Bytes a texel of a side that resampling holds: weights, and strips of rows and columns.
 constexpr uint64_t kResampleSide = 512;
 /// What is announced while an image of unknown size is drawn.
@@ -57,24 +58,17 @@ ChartImage reduce(const city::Image& image, ChartSize size) {
 }
 
 Result<ChartImage> reduce(ImageFile& file, ChartSize size) {
-    AreaReduction reduction(file.width(), file.height(), size.width, size.height);
-    const size_t row = size_t{3} * file.width();
-    const Status read = file.visit_rows([&](uint32_t, uint32_t count, std::span<const uint8_t> rgb) {
-        for (uint32_t i = 0; i < count; ++i) reduction.add_row(rgb.subspan(i * row, row));
-    });
+    AreaReduction reduction(file.width(), file.height(), size.width, size.height, file.has_alpha());
+    const size_t width = file.width();
+    const Status read =
+        file.visit_rows([&](uint32_t, uint32_t count, std::span<const uint8_t> rgb, std::span<const uint8_t> alpha) {
+            for (uint32_t i = 0; i < count; ++i) {
+                reduction.add_row(rgb.subspan(3 * i * width, 3 * width),
+                                  alpha.empty() ? alpha : alpha.subspan(i * width, width));
+            }
+        });
     if (!read) return read.error();
     return reduction.take();
-}
-
-Result<ChartImage> read_whole(ImageFile& file) {
-    ChartImage out{file.width(), file.height(), false, false, 0, {}};
-    const size_t row = size_t{3} * out.width;
-    out.rgb.resize(row * out.height);
-    const Status read = file.visit_rows([&](uint32_t y, uint32_t count, std::span<const uint8_t> rgb) {
-        for (uint32_t i = 0; i < count; ++i) std::copy_n(&rgb[i * row], row, &out.rgb[(out.height - 1 - y - i) * row]);
-    });
-    if (!read) return read.error();
-    return out;
 }
 
 class Preparation {
@@ -106,14 +100,15 @@ class Preparation {
     struct Job {
         uint32_t image;
         const ImageUse& use;
-        ImagePreparationReport spent;  // only of this image
+        ImagePreparationReport spent;        // only of this image
+        codec::atlas::AreaShare there = {};  // how much of it is there, with alpha
     };
 
     void prepare_all(const std::vector<uint32_t>& used) {
         std::atomic<size_t> next = 0;
         const auto work = [&] {
             for (size_t i = next++; i < used.size() && !stopped(); i = next++) {
-                Job job{used[i], uses_[used[i]], {}};
+                Job job{used[i], uses_[used[i]], {}, {}};
                 const Status status = prepare(job);
                 finish(job, status, used.size());
             }
@@ -166,7 +161,8 @@ class Preparation {
         if (source.pixels || source.make) return prepare_drawn(job, source);
         auto file = ImageFile::open(source.path);
         if (!file) return give_up(job, file.error().text());
-        const ImagePlan plan = plan_of(job, {(*file)->width(), (*file)->height()}, false, (*file)->strip_bytes());
+        const ImagePlan plan =
+            plan_of(job, {{(*file)->width(), (*file)->height()}, (*file)->strip_bytes(), false, (*file)->has_alpha()});
         return within(plan, [&] {
             const auto begin = Clock::now();
             auto read = plan.by_rows ? reduce(**file, plan.size) : read_whole(**file);
@@ -187,8 +183,8 @@ class Preparation {
             drawn = source.drawn();
         }
         const ChartSize size{drawn->width, drawn->height};
-        if (area(size) == 0 || drawn->rgb.size() != kTexel * area(size)) return give_up(job, "a drawn image is empty");
-        const ImagePlan plan = plan_of(job, size, true, 0);
+        if (area(size) == 0 || drawn->rgb.size() != 3 * area(size)) return give_up(job, "a drawn image is empty");
+        const ImagePlan plan = plan_of(job, {size, 0, true, false});
         return within(plan, [&] {
             ChartImage whole = plan.by_rows ? reduce(*drawn, plan.size)
                                             : ChartImage{size.width, size.height, false, false, 0, drawn->rgb};
@@ -199,13 +195,13 @@ class Preparation {
         });
     }
 
-    ImagePlan plan_of(const Job& job, ChartSize size, bool drawn, uint64_t strip_bytes) {
+    ImagePlan plan_of(const Job& job, const ImageFacts& image) {
         const bool search = options_.saliency.kind != MetricKind::kNone;
         const ImagePlan plan =
-            plan_image(size, finest_size(size, job.use), search, drawn, strip_bytes, options_.budget_bytes);
+            plan_image(image, finest_size(image.size, job.use, options_.texel_metres), search, options_.budget_bytes);
         if (plan.halved) {
-            note(job, "image of " + std::to_string(size.width) + " x " + std::to_string(size.height) + " reduced to " +
-                          std::to_string(plan.size.width) + " x " + std::to_string(plan.size.height) +
+            note(job, "image of " + std::to_string(image.size.width) + " x " + std::to_string(image.size.height) +
+                          " reduced to " + std::to_string(plan.size.width) + " x " + std::to_string(plan.size.height) +
                           ": the memory limit holds no more");
         }
         return plan;
@@ -221,18 +217,31 @@ class Preparation {
     Status match(Job& job, const ImagePlan& plan, ChartImage image) {
         auto begin = Clock::now();
         job.spent.matched_pixels = area(plan.size);
-        if (const auto colour = codec::atlas::flat_colour(image.rgb))
-            return store(job, {1, 1, false, false, 0, {(*colour)[0], (*colour)[1], (*colour)[2]}});
+        if (codec::atlas::all_there(image.alpha)) image.alpha = {};
+        const auto colour = image.alpha.empty() ? codec::atlas::flat_colour(image.rgb) : std::nullopt;
+        if (colour) return store(job, {1, 1, false, false, 0, {(*colour)[0], (*colour)[1], (*colour)[2]}});
         const bool repeat = !job.use.clamped;
         const codec::atlas::Edges edges{repeat, repeat};
         const bool resampled = plan.size != ChartSize{image.width, image.height};
         if (!resampled && !plan.searched) return store(job, std::move(image));
+        image.repeat_u = image.repeat_v = repeat;
+        job.there = codec::atlas::there_of(image);
         Image linear = resampled ? resample(image, plan.size.width, plan.size.height, Shrink::kLanczos, edges)
                                  : linear_image(image);
         image = {};
         job.spent.match_seconds += seconds_since(begin);
         if (plan.searched) return search(job, std::move(linear), edges);
-        return store(job, chart_image(linear));
+        return store(job, smaller_chart(job, linear, edges));
+    }
+
+    /// Of an image that was made smaller.
+    static ChartImage smaller_chart(const Job& job, const Image& image, codec::atlas::Edges edges) {
+        ChartImage chart = chart_image(image);
+        chart.repeat_u = edges.repeat_u;
+        chart.repeat_v = edges.repeat_v;
+        codec::atlas::keep_share(chart, job.there);
+        chart.repeat_u = chart.repeat_v = false;
+        return chart;
     }
 
     Status search(Job& job, Image linear, codec::atlas::Edges edges) {
@@ -245,7 +254,7 @@ class Preparation {
         codec::atlas::SearchResult found = search_chart(linear, settings);
         linear = {};
         job.spent.metric_calls = found.calls;
-        ChartImage chart = chart_image(found.image);
+        ChartImage chart = smaller_chart(job, found.image, edges);
         found.image = {};
         job.spent.search_seconds += seconds_since(begin);
         return store(job, std::move(chart));
@@ -253,6 +262,7 @@ class Preparation {
 
     Status store(Job& job, ChartImage chart) {
         const auto begin = Clock::now();
+        settle_alpha(chart);
         job.spent.prepared_pixels = uint64_t{chart.width} * chart.height;
         Status stored = prepared_.store(job.image, std::move(chart));
         job.spent.store_seconds += seconds_since(begin);
@@ -273,29 +283,31 @@ class Preparation {
 
 }  // namespace
 
-ImagePlan plan_image(ChartSize image, ChartSize wanted, bool search, bool whole_pixels_held, uint64_t strip_bytes,
-                     uint64_t budget_bytes) {
+ImagePlan plan_image(const ImageFacts& facts, ChartSize wanted, bool search, uint64_t budget_bytes) {
     ImagePlan plan;
     plan.size = wanted;
-    const uint64_t held = strip_bytes + (whole_pixels_held ? kTexel * area(image) : 0);
+    const ChartSize image = facts.size;
+    const uint64_t texel = facts.alpha ? 4 : 3, linear_texel = texel * sizeof(float);
+    const uint64_t held = facts.strip_bytes + (facts.whole_pixels_held ? texel * area(image) : 0);
     const auto least_bytes = [&] {
-        return held + std::max(AreaReduction::bytes(plan.size.width, plan.size.height),
-                               PreparedImages::bytes_to_store(area(plan.size)));
+        return held + std::max(AreaReduction::bytes(plan.size.width, plan.size.height, facts.alpha),
+                               PreparedImages::bytes_to_store(area(plan.size), facts.alpha));
     };
     while (area(plan.size) > 1 && least_bytes() > budget_bytes) {
         plan.size = {std::max(1U, plan.size.width / 2), std::max(1U, plan.size.height / 2)};
         plan.halved = true;
     }
     plan.bytes = least_bytes();
-    const uint64_t whole = held + kTexel * area(image);
+    const uint64_t whole = held + texel * area(image);
     uint64_t resample = 0;
     if (plan.size != image) {
-        resample = whole + kLinearTexel * plan.size.width * (uint64_t{image.height} + plan.size.height) +
+        resample = whole + linear_texel * plan.size.width * (uint64_t{image.height} + plan.size.height) +
                    kResampleSide * (uint64_t{image.width} + image.height);
     }
     plan.by_rows = plan.size != image && std::max(whole, resample) > budget_bytes;
     if (!plan.by_rows) plan.bytes = std::max({plan.bytes, whole, resample});
-    const uint64_t searching = (kTexel + kSearchTexel) * area(plan.size);
+    const uint64_t searching =
+        (texel + kSearchImages * linear_texel + kMetricTexel * (facts.alpha ? 2 : 1)) * area(plan.size);
     plan.searched = search && searching <= budget_bytes;
     if (plan.searched) plan.bytes = std::max(plan.bytes, searching);
     return plan;

@@ -14,12 +14,14 @@
 #include "tiles/city/city_model.h"
 #include "tiles/layers/image_uses.h"
 #include "tiles/layers/prepared_images.h"
+#include "tiles/layers/texture_law.h"
 
 namespace citystream::tiles::layers {
 
 struct ImagePreparationOptions {
     codec::atlas::Metric saliency;
-    uint32_t jobs = 0;  ///< threads; 0: all cores. The result does not depend on it
+    double texel_metres = kLeafTexel;  ///< of the finest tiles
+    uint32_t jobs = 0;                 ///< threads; 0: all cores. The result does not depend on it
     uint64_t budget_bytes = uint64_t{1} << 30;
     const std::atomic<bool>* cancel = nullptr;
     std::function<void(std::string_view stage, uint64_t done, uint64_t total)> progress;
@@ -48,9 +50,14 @@ struct ImagePlan {
     uint64_t bytes = 0;
 };
 
-/// Precondition: sides not 0. `whole_pixels_held`: the image exists in memory whatever is done (it is drawn, not read).
-ImagePlan plan_image(codec::atlas::ChartSize image, codec::atlas::ChartSize wanted, bool search, bool whole_pixels_held,
-                     uint64_t strip_bytes, uint64_t budget_bytes);
+/// An image before it is prepared.
+struct ImageFacts {
+    codec::atlas::ChartSize size;  ///< sides not 0
+    uint64_t strip_bytes = 0;
+    bool whole_pixels_held = false;  ///< it exists in memory whatever is done (it is drawn, not read)
+    bool alpha = false;
+};
+ImagePlan plan_image(const ImageFacts& image, codec::atlas::ChartSize wanted, bool search, uint64_t budget_bytes);
 
 /// Prepares the used images of the catalog. Each that cannot be used is one line in `defects` (in the order of the
 /// images) and has no pixels. Error: the disk, or "interrupted".

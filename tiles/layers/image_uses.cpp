@@ -127,9 +127,9 @@ void note_palettes(const std::set<std::pair<uint32_t, uint32_t>>& facades, const
     }
 }
 
-uint32_t halved(uint32_t side, double metres) {
+uint32_t halved(uint32_t side, double metres, double texel_metres) {
     uint32_t size = side;
-    while (size > 1 && (size > kGreatestSide || metres / size < kLeafTexel / kFinestShare)) size /= 2;
+    while (size > 1 && (size > kGreatestSide || metres / size < texel_metres / kFinestShare)) size /= 2;
     return size;
 }
 
@@ -164,11 +164,11 @@ Result<std::vector<ImageUse>> find_image_uses(quadtree::ObjectSpool& objects, co
     return uses;
 }
 
-ChartSize finest_size(ChartSize image, const ImageUse& use) {
+ChartSize finest_size(ChartSize image, const ImageUse& use, double texel_metres) {
     const bool known = use.coverage.used();
     const double unknown = std::numeric_limits<double>::infinity();
-    return {halved(image.width, known ? use.coverage.metres_u : unknown),
-            halved(image.height, known ? use.coverage.metres_v : unknown)};
+    return {halved(image.width, known ? use.coverage.metres_u : unknown, texel_metres),
+            halved(image.height, known ? use.coverage.metres_v : unknown, texel_metres)};
 }
 
 }  // namespace citystream::tiles::layers

@@ -29,13 +29,12 @@ struct ImageUse {
 Result<std::vector<ImageUse>> find_image_uses(quadtree::ObjectSpool& objects, const city::CityCatalog& catalog,
                                               uint32_t jobs);
 
-/// Texels that the finest tiles ask for, metres.
-inline constexpr double kLeafTexel = 0.02;
 /// A mip is shown if its texels are at least the wanted ones divided by this: halvings hit no size exactly.
 inline constexpr double kFinestShare = 1.5;
 
 /// The size of an image of `width` x `height` texels that no tile exceeds: each axis halved while its texels are finer
-/// than any tile shows, at most 8192. Never larger than the image; as large where no triangle shows an area of it.
-codec::atlas::ChartSize finest_size(codec::atlas::ChartSize image, const ImageUse& use);
+/// than tiles whose finest texel is of `texel_metres` show, at most 8192. Never larger than the image; as large where
+/// no triangle shows an area of it.
+codec::atlas::ChartSize finest_size(codec::atlas::ChartSize image, const ImageUse& use, double texel_metres);
 
 }  // namespace citystream::tiles::layers

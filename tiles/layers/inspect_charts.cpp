@@ -60,7 +60,7 @@ Result<nlohmann::json> chart_dictionary_json(const archive::ArchiveReader& reade
         texels += uint64_t{chart.width} * chart.height;
         for (uint32_t i = 0; i < chart.level_count; ++i) {
             const uint64_t resident =
-                sizeof(uint32_t) * uint64_t{codec::atlas::atlas_step_words(chart.width, chart.height, i)};
+                sizeof(uint32_t) * uint64_t{codec::atlas::atlas_step_words(chart.width, chart.height, chart.flags, i)};
             for (Sum* sum : {&sums[i], &all}) {
                 ++sum->charts;
                 sum->wire += chart.level[i].bytes;

@@ -5,13 +5,14 @@
 #include <deque>
 #include <span>
 
-#include "codec/atlas/atlas_layer.h"
+#include "codec/atlas/atlas_form.h"
 #include "codec/facade/facade_layer.h"
 #include "codec/mesh/mesh_layer.h"
 #include "codec/step_wire.h"
 #include "tiles/archive/archive.h"
 #include "tiles/layers/inspect_charts.h"
 #include "tiles/layers/inspect_facades.h"
+#include "tiles/layers/inspect_pages.h"
 #include "tiles/tileset/subtree.h"
 #include "tiles/tileset/tileset_json.h"
 
@@ -78,10 +79,9 @@ class Verifier {
         const auto atlas = decode(tile, Layer::kAtlas);
         uint32_t charts = tile.steps(Layer::kAtlas).empty() ? 1 : 0;
         if (atlas) {
-            const auto view =
-                codec::atlas::AtlasLayerView::create(atlas->words, atlas->step_words, manifest_.shared_chart_count);
-            if (!view) say(tileset::layer_path(Layer::kAtlas, tile.address), view.error().text());
-            if (view) charts = view->chart_count();
+            const auto facts = codec::atlas::check_atlas(atlas->words, atlas->step_words, manifest_.shared_chart_count);
+            if (!facts) say(tileset::layer_path(Layer::kAtlas, tile.address), facts.error().text());
+            if (facts) charts = facts->chart_count;
         }
         if (charts == 0) charts = UINT32_MAX >> 8;  // the atlas is damaged and named already: only this check is lost
         if (const auto mesh = decode(tile, Layer::kMesh)) {
@@ -176,6 +176,11 @@ Result<nlohmann::json> read_city_info(const std::string& path) {
         auto charts = chart_dictionary_json(**reader, *manifest);
         if (!charts) return charts.error();
         out["chart_dictionary"] = std::move(charts).value();
+    }
+    if (manifest->needs_version_5) {
+        auto pages = page_json(**reader, *manifest);
+        if (!pages) return pages.error();
+        out["atlas_pages"] = std::move(pages).value();
     }
     return out;
 }

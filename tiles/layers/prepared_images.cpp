@@ -13,8 +13,8 @@ uint32_t mip_side(uint32_t side, uint32_t level) {
     return std::max(1U, side >> level);
 }
 
-uint64_t mip_bytes(uint32_t width, uint32_t height, uint32_t level) {
-    return uint64_t{3} * mip_side(width, level) * mip_side(height, level);
+uint64_t mip_texels(uint32_t width, uint32_t height, uint32_t level) {
+    return uint64_t{mip_side(width, level)} * mip_side(height, level);
 }
 
 uint32_t mip_count(uint32_t width, uint32_t height) {
@@ -30,11 +30,13 @@ Result<std::unique_ptr<PreparedImages>> PreparedImages::create(const std::string
 }
 
 Status PreparedImages::store(uint32_t image, ChartImage mip) {
-    Entry stored{State::kStored, mip.width, mip.height, {}};
+    Entry stored{State::kStored, mip.width, mip.height, !mip.alpha.empty(), {}};
     const uint32_t count = mip_count(mip.width, mip.height);
     for (uint32_t level = 0; level < count; ++level) {
         if (level > 0) mip = codec::atlas::downsample(mip);
+        mip.rgb.insert(mip.rgb.end(), mip.alpha.begin(), mip.alpha.end());
         const auto range = file_->append(std::as_bytes(std::span(mip.rgb)));
+        mip.rgb.resize(mip.rgb.size() - mip.alpha.size());
         if (!range) return range.error();
         stored.offsets.push_back(range->offset);
     }
@@ -62,6 +64,11 @@ std::array<uint32_t, 2> PreparedImages::sides(uint32_t image) const {
     return {entries_[image].width, entries_[image].height};
 }
 
+bool PreparedImages::has_alpha(uint32_t image) const {
+    const std::lock_guard lock(mutex_);
+    return image < entries_.size() && entries_[image].alpha;
+}
+
 uint32_t PreparedImages::levels(uint32_t image) const {
     const Entry stored = entry(image);
     return mip_count(stored.width, stored.height);
@@ -70,7 +77,7 @@ uint32_t PreparedImages::levels(uint32_t image) const {
 uint32_t PreparedImages::level_of_size(uint32_t image, uint64_t texels) const {
     const Entry stored = entry(image);
     uint32_t level = 0;
-    while (mip_bytes(stored.width, stored.height, level) > 3 * texels) ++level;
+    while (mip_texels(stored.width, stored.height, level) > texels) ++level;
     return level;
 }
 
@@ -78,12 +85,16 @@ Result<ChartImage> PreparedImages::read(uint32_t image, uint32_t level) const {
     const Entry stored = entry(image);
     if (stored.state != State::kStored) return Error{"image was not prepared"};
     level = std::min(level, mip_count(stored.width, stored.height) - 1);
-    const quadtree::SpoolRange range{stored.offsets[level], mip_bytes(stored.width, stored.height, level)};
+    const uint64_t texels = mip_texels(stored.width, stored.height, level);
+    const quadtree::SpoolRange range{stored.offsets[level], (stored.alpha ? 4 : 3) * texels};
     std::vector<std::byte> bytes;
     if (Status status = file_->read(range, bytes); !status) return status.error();
     ChartImage mip{mip_side(stored.width, level), mip_side(stored.height, level), false, false, 0, {}};
-    mip.rgb.resize(bytes.size());
-    std::memcpy(mip.rgb.data(), bytes.data(), bytes.size());
+    mip.rgb.resize(3 * texels);
+    std::memcpy(mip.rgb.data(), bytes.data(), mip.rgb.size());
+    if (!stored.alpha) return mip;
+    mip.alpha.resize(texels);
+    std::memcpy(mip.alpha.data(), bytes.data() + mip.rgb.size(), texels);
     return mip;
 }
 

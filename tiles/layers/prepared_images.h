@@ -24,7 +24,8 @@ class PreparedImages {
 
     /// Stores an image and its mips (codec::atlas::downsample) down to 1 x 1. Error: the disk.
     Status store(uint32_t image, ChartImage finest);
-    static uint64_t bytes_to_store(uint64_t texels) { return 10 * texels; }  ///< that store() holds, at most
+    /// That store() holds, at most.
+    static uint64_t bytes_to_store(uint64_t texels, bool alpha = false) { return (alpha ? 16 : 10) * texels; }
     /// Notes that an image has no pixels to show.
     void fail(uint32_t image);
 
@@ -32,6 +33,7 @@ class PreparedImages {
     State state(uint32_t image) const;
     /// Sides of the finest mip of a stored image; 0 of any other.
     std::array<uint32_t, 2> sides(uint32_t image) const;
+    bool has_alpha(uint32_t image) const;
     /// Mips of a stored image: the last is 1 x 1.
     uint32_t levels(uint32_t image) const;
     /// The finest mip of a stored image with at most this many texels (> 0); 0 of any other.
@@ -45,7 +47,8 @@ class PreparedImages {
     struct Entry {
         State state = State::kUnknown;
         uint32_t width = 0, height = 0;
-        std::vector<uint64_t> offsets;  // of the mips
+        bool alpha = false;
+        std::vector<uint64_t> offsets;  // of the mips: colours, then alpha
     };
     PreparedImages(std::unique_ptr<quadtree::SpoolFile> file, size_t count) : file_(std::move(file)), entries_(count) {}
     Entry entry(uint32_t image) const;

@@ -226,8 +226,13 @@ class Writer final : public ReferenceWriter {
                 extensions_.insert("KHR_texture_transform");
             }
         }
-        return materials_[key] =
-                   file_->add("materials", {{"pbrMetallicRoughness", std::move(pbr)}, {"doubleSided", true}});
+        json out = {{"pbrMetallicRoughness", std::move(pbr)}, {"doubleSided", true}};
+        // Relief, whose coordinates are metres, is solid.
+        if (image >= 0 && metres_per_repeat <= 0 && masked_.count(static_cast<uint32_t>(m.image)) != 0) {
+            out["alphaMode"] = "MASK";
+            out["alphaCutoff"] = 0.5;
+        }
+        return materials_[key] = file_->add("materials", std::move(out));
     }
 
     uint32_t gltf_texture(uint32_t image, bool repeat) {
@@ -254,13 +259,18 @@ class Writer final : public ReferenceWriter {
                    file_->add("images", {{"bufferView", *view}, {"mimeType", png ? "image/png" : "image/jpeg"}});
     }
 
-    /// The image's own bytes when they are PNG or JPEG that can be decoded, else PNG made of its pixels.
+    /// The image's own bytes when they are PNG or JPEG that can be decoded, else PNG made of its pixels. Where it has
+    /// alpha, too: viewers filter the colours of what is not there with those of what is.
     std::string image_file(uint32_t image) {
         const city::ImageSource& source = catalog_->images[image];
         if (const auto drawn = source.drawn())
             return encode_png({drawn->width, drawn->height, false, false, 0, drawn->rgb});
         const auto decoded = decode_image(source.path);
         if (!decoded) return {};
+        if (!decoded->alpha.empty()) {
+            masked_.insert(image);
+            return encode_png(*decoded);
+        }
         std::ifstream file(source.path, std::ios::binary);
         std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
         if (bytes.starts_with("\x89PNG") || bytes.starts_with("\xff\xd8\xff")) return bytes;
@@ -270,12 +280,19 @@ class Writer final : public ReferenceWriter {
     std::string encode_png(const ChartImage& image) const {
         const std::string path = folder_ + "/reference.png";
         auto output = OIIO::ImageOutput::create(path);
-        const OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3,
-                                   OIIO::TypeDesc::UINT8);
+        const size_t channels = image.alpha.empty() ? 3 : 4;
+        OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), static_cast<int>(channels),
+                             OIIO::TypeDesc::UINT8);
+        spec.attribute("oiio:UnassociatedAlpha", 1);
         if (!output || !output->open(path, spec)) return {};
+        std::vector<uint8_t> row(channels * image.width);
         for (uint32_t y = 0; y < image.height; ++y) {
-            const uint8_t* row = image.rgb.data() + size_t{3} * image.width * (image.height - 1 - y);
-            if (!output->write_scanline(static_cast<int>(y), 0, OIIO::TypeDesc::UINT8, row)) return {};
+            const size_t first = size_t{image.width} * (image.height - 1 - y);
+            for (size_t x = 0; x < image.width; ++x) {
+                std::copy_n(&image.rgb[3 * (first + x)], 3, &row[channels * x]);
+                if (channels == 4) row[4 * x + 3] = image.alpha[first + x];
+            }
+            if (!output->write_scanline(static_cast<int>(y), 0, OIIO::TypeDesc::UINT8, row.data())) return {};
         }
         output->close();
         std::ifstream file(path, std::ios::binary);
@@ -359,6 +376,7 @@ class Writer final : public ReferenceWriter {
     std::map<std::pair<uint32_t, bool>, uint32_t> textures_;
     std::map<bool, uint32_t> samplers_;
     std::map<uint32_t, int64_t> images_;
+    std::set<uint32_t> masked_;  // images of the catalog with alpha
     std::set<std::string> extensions_;
     std::vector<uint32_t> children_;
 };

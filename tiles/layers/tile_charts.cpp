@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "codec/atlas/alpha_mask.h"
 #include "tiles/layers/image_uses.h"
+#include "tiles/layers/texture_law.h"
 
 namespace citystream::tiles::layers {
 namespace {
@@ -46,17 +48,29 @@ uint32_t halvings(const std::array<uint32_t, 2>& sides, double texel, double wan
     return level;
 }
 
+/// The same of an image with alpha, which has to keep texels enough to be there in part (codec/atlas/alpha_mask.h).
+uint32_t masked_halvings(const std::array<uint32_t, 2>& sides, double texel, double wanted) {
+    uint32_t level = halvings(sides, texel, wanted);
+    const auto side = [&](size_t axis) { return uint64_t{std::max(1U, sides[axis] >> level)}; };
+    while (level > 0 && side(0) * side(1) < codec::atlas::kLeastAlphaTexels) --level;
+    return level;
+}
+
 codec::atlas::ContentHash hash_of(const ChartImage& image) {
-    std::vector<uint32_t> words((image.rgb.size() + 3) / 4, 0);
+    const size_t bytes = image.rgb.size() + image.alpha.size();
+    std::vector<uint32_t> words((bytes + 3) / 4, 0);
     std::memcpy(words.data(), image.rgb.data(), image.rgb.size());
-    const uint32_t flags = (image.repeat_u ? 1U : 0U) | (image.repeat_v ? 2U : 0U);
+    if (!image.alpha.empty())
+        std::memcpy(reinterpret_cast<uint8_t*>(words.data()) + image.rgb.size(), image.alpha.data(),
+                    image.alpha.size());
+    const uint32_t flags = (image.repeat_u ? 1U : 0U) | (image.repeat_v ? 2U : 0U) | (image.alpha.empty() ? 0U : 4U);
     return codec::atlas::content_hash({{image.width | image.height << 16, flags}, words});
 }
 
 /// Whether two images show the same as charts.
 bool looks_equal(const ChartImage& a, const ChartImage& b) {
     return a.width == b.width && a.height == b.height && a.repeat_u == b.repeat_u && a.repeat_v == b.repeat_v &&
-           a.rgb == b.rgb;
+           a.rgb == b.rgb && a.alpha == b.alpha;
 }
 
 }  // namespace
@@ -106,7 +120,8 @@ void TileCharts::settle_image(const Paint& paint, const ImagePaint& noted) {
     ImageView view{paint, noted, static_cast<uint32_t>(material.image)};
     const double area = std::max(noted.texture_area, 1e-12) * (*sides)[0] * (*sides)[1];
     view.texel = std::sqrt(noted.world_area / area);
-    view.level = halvings(*sides, view.texel, texel_);
+    view.level = images_.has_alpha(view.image) ? masked_halvings(*sides, view.texel, texel_)
+                                               : halvings(*sides, view.texel, texel_);
     view.width = std::max(1U, (*sides)[0] >> view.level);
     view.height = std::max(1U, (*sides)[1] >> view.level);
     const bool outside = std::any_of(noted.objects.begin(), noted.objects.end(), [](const auto& entry) {
@@ -117,7 +132,7 @@ void TileCharts::settle_image(const Paint& paint, const ImagePaint& noted) {
     if (outside) {
         settle_whole(view, material.repeat);
     } else {
-        settle_crops(view, plan_crops(view));
+        settle_crops(view, plan_crops(view), material.repeat);
     }
 }
 
@@ -186,8 +201,10 @@ TileCharts::Crops TileCharts::plan_crops(const ImageView& view) {
     return crops;
 }
 
-void TileCharts::settle_crops(const ImageView& view, const Crops& crops) {
-    if (take_whole(view, false, crops.area)) return;
+/// A whole image that repeats elsewhere repeats here, too: the dictionary has it once, and its edges are those of the
+/// material.
+void TileCharts::settle_crops(const ImageView& view, const Crops& crops, bool repeat) {
+    if (take_whole(view, repeat, crops.area)) return;
     note_blur(view, static_cast<int>(view.level));
     const auto image = images_.mip(view.image, view.level);
     const auto texel = static_cast<float>(std::ldexp(view.texel, static_cast<int>(view.level)));
@@ -211,8 +228,12 @@ uint32_t TileCharts::add_crop(const ChartImage& image, const Crop& crop, float t
     chart.metres_per_texel = chart.width * chart.height > 1 ? texel : 0;
     chart.rgb.reserve(size_t{3} * chart.width * chart.height);
     for (uint32_t y = crop.y0; y < crop.y1; ++y) {
-        const auto row = image.rgb.begin() + static_cast<ptrdiff_t>(3 * (size_t{y} * image.width + crop.x0));
+        const size_t first = size_t{y} * image.width + crop.x0;
+        const auto row = image.rgb.begin() + static_cast<ptrdiff_t>(3 * first);
         chart.rgb.insert(chart.rgb.end(), row, row + static_cast<ptrdiff_t>(size_t{3} * chart.width));
+        if (image.alpha.empty()) continue;
+        const auto alpha = image.alpha.begin() + static_cast<ptrdiff_t>(first);
+        chart.alpha.insert(chart.alpha.end(), alpha, alpha + static_cast<ptrdiff_t>(chart.width));
     }
     return add(std::move(chart));
 }
@@ -276,11 +297,15 @@ uint32_t TileCharts::facade_material(uint32_t material) {
     const double finest = shelf_ == nullptr ? kOwnMaterialTexel : kSharedMaterialTexel;
     const uint32_t level = halvings(*sides, texel, std::max(texel_, finest));
     const uint64_t texels = uint64_t{std::max(1U, (*sides)[0] >> level)} * std::max(1U, (*sides)[1] >> level);
-    if (const auto shared = take({ChartKey::Kind::kRepeatedImage, {image, 0}}, level, texels)) {
+    // Relief is solid, while others may show a shared chart with its alpha.
+    const bool alpha = images_.has_alpha(image);
+    const auto shared = alpha ? std::nullopt : take({ChartKey::Kind::kRepeatedImage, {image, 0}}, level, texels);
+    if (shared) {
         return facade_materials_[material] =
                    add_shared(shared->number, std::ldexp(texel, static_cast<int>(shared->coarseness)));
     }
     ChartImage chart = *images_.mip(image, level);
+    chart.alpha = {};
     chart.repeat_u = chart.repeat_v = true;
     chart.metres_per_texel =
         chart.width * chart.height > 1 ? static_cast<float>(std::ldexp(texel, static_cast<int>(level))) : 0;
@@ -295,7 +320,9 @@ uint32_t TileCharts::flat(const std::array<uint8_t, 3>& rgb) {
 }
 
 uint32_t TileCharts::add(ChartImage image) {
-    if (const auto colour = codec::atlas::flat_colour(image.rgb)) return flat(*colour);
+    if (codec::atlas::all_there(image.alpha)) image.alpha = {};
+    const auto colour = image.alpha.empty() ? codec::atlas::flat_colour(image.rgb) : std::nullopt;
+    if (colour) return flat(*colour);
     const codec::atlas::ContentHash hash = hash_of(image);
     const auto [begin, end] = by_content_.equal_range(hash);
     for (auto entry = begin; entry != end; ++entry) {

@@ -98,7 +98,7 @@ class TileCharts {
     bool take_whole(const ImageView& view, bool repeat, uint64_t texels);
     void settle_whole(const ImageView& view, bool repeat);
     void use_whole(const ImageView& view, uint32_t chart, bool repeat);
-    void settle_crops(const ImageView& view, const Crops& crops);
+    void settle_crops(const ImageView& view, const Crops& crops, bool repeat);
     void note_blur(const ImageView& view, int level);
     static Crops plan_crops(const ImageView& view);
     uint32_t add_crop(const ChartImage& image, const Crop& crop, float texel);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "codec/atlas/atlas_layer.h"
+#include "codec/atlas/shared_chart.h"
 #include "codec/facade/facade_layer.h"
 #include "codec/mesh/mesh_layer.h"
 #include "codec/step_wire.h"
@@ -30,7 +31,7 @@ constexpr double kFinestFacadeTexel = 0.1, kCoarsestFacadeTexel = 0.8, kCoarsest
 
 void append_layer(EncodedTile& tile, Layer layer, const LayerSteps& steps) {
     std::vector<std::byte>& bytes = tile.bytes[static_cast<size_t>(layer)];
-    const auto frames = codec::encode_steps(steps, kStepLevel);
+    const auto frames = codec::encode_steps(steps, layer == Layer::kAtlas ? codec::atlas::kBlockZstdLevel : kStepLevel);
     for (size_t i = 0; i < steps.size(); ++i) {
         const LayerStep& step = steps[i];
         const std::vector<std::byte>& frame = frames[i];
@@ -236,7 +237,7 @@ class TileAssembly {
         record.address = spec_.address;
         record.geometric_error = spec_.geometric_error;
         if (spec_.inner && wants(Layer::kAtlas))
-            record.geometric_error = std::max(record.geometric_error, static_cast<float>(charts_.blur()));
+            record.geometric_error = std::max(record.geometric_error, static_cast<float>(blur()));
         record.base_height = base_height_;
         if (wants(Layer::kFacade)) {
             record.flat_facade_error =
@@ -261,9 +262,38 @@ class TileAssembly {
             }
             append_layer(tile, Layer::kFacade, codec::facade::encode_facades(facade_tile_));
         }
-        if (wants(Layer::kAtlas))
-            append_layer(tile, Layer::kAtlas,
-                         codec::atlas::encode_atlas(charts_.own_charts(), workshop_.atlas, charts_.shared_charts()));
+        if (wants(Layer::kAtlas)) append_layer(tile, Layer::kAtlas, encode_atlas(tile));
+    }
+
+    bool has_alpha() const {
+        const auto own = charts_.own_charts();
+        return std::any_of(own.begin(), own.end(), [](const ChartImage& chart) { return !chart.alpha.empty(); });
+    }
+
+    /// Pages hold no charts with alpha.
+    bool in_pages() const { return workshop_.pages.has_value() && !has_alpha(); }
+
+    /// Metres that pictures are blurred by, also because pages hold no longer charts.
+    double blur() const {
+        double blur = charts_.blur();
+        if (!in_pages()) return blur;
+        const uint32_t longest = codec::atlas::longest_page_chart(workshop_.pages->mips);
+        for (const ChartImage& chart : charts_.own_charts()) {
+            const double shrunk = static_cast<double>(std::max(chart.width, chart.height)) / longest;
+            if (shrunk > 1) blur = std::max(blur, static_cast<double>(chart.metres_per_texel) * shrunk);
+        }
+        return blur;
+    }
+
+    /// In pages where those are asked for and hold this tile's charts.
+    LayerSteps encode_atlas(EncodedTile& tile) const {
+        tile.needs_version_5 = has_alpha();
+        if (in_pages()) {
+            auto pages = codec::atlas::encode_pages(charts_.own_charts(), *workshop_.pages);
+            tile.needs_version_5 = pages.ok();
+            if (pages) return std::move(pages).value();
+        }
+        return codec::atlas::encode_atlas(charts_.own_charts(), workshop_.atlas, charts_.shared_charts());
     }
 
     const TileSpec& spec_;

@@ -6,9 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "codec/atlas/page_layer.h"
 #include "tiles/layers/chart_wishes.h"
 #include "tiles/layers/facade_numbers.h"
 #include "tiles/layers/facade_painter.h"
@@ -27,6 +29,7 @@ struct TileWorkshop {
     GridPoint city_origin;
     codec::atlas::AtlasOptions atlas = {};
     ChartShelf* charts = nullptr;  ///< the chart dictionary; nothing: every tile has charts of its own only
+    std::optional<codec::atlas::PageOptions> pages = {};  ///< nothing: the form of atlases is charts
 };
 
 struct TileSpec {
@@ -50,7 +53,8 @@ struct TileContent {
 struct EncodedTile {
     tileset::TileRecord record;
     std::array<std::vector<std::byte>, tileset::kLayerCount> bytes;
-    uint64_t triangles = 0;  ///< of the mesh layer
+    uint64_t triangles = 0;        ///< of the mesh layer
+    bool needs_version_5 = false;  ///< as tileset::Manifest
 };
 
 /// What a tile would take from the chart dictionary: its layers need nothing of `workshop.charts`.

@@ -73,6 +73,17 @@ Result<TileContent> deserialise_content(std::span<const std::byte> bytes) {
     return content;
 }
 
+/// Of every node above the deepest leaf below it.
+std::vector<uint32_t> heights_of(const quadtree::TileTree& tree) {
+    std::vector<uint32_t> heights(tree.nodes.size(), 0);
+    // Children come after their parent.
+    for (size_t at = tree.nodes.size(); at-- > 0;) {
+        for (const int32_t child : tree.nodes[at].children)
+            if (child >= 0) heights[at] = std::max(heights[at], heights[static_cast<size_t>(child)] + 1);
+    }
+    return heights;
+}
+
 class Pipeline {
   public:
     explicit Pipeline(const PipelineInput& input)
@@ -80,16 +91,19 @@ class Pipeline {
           gate_(input.options.memory_limit / 2),
           built_(input.tree.nodes.size()),
           specs_(input.tree.nodes.size()),
+          heights_(heights_of(input.tree)),
           workshop_(input.workshop) {}
 
     Result<std::vector<BuiltTile>> run() {
         if (Status status = prepare_all(); !status) return status.error();
+        in_.clock.lap("coarsen");
         if (shares_charts()) {
             auto made = ChartDictionary::make(wishes_, {workshop_.images, workshop_.facades, workshop_.atlas},
                                               in_.options, in_.chart_spool);
             if (!made) return made.error();
             in_.charts = std::move(made).value();
             workshop_.charts = &in_.charts;
+            in_.clock.lap("charts");
         }
         BuildStage stage(in_.options, "tiles", built_.size());
         const Status status = stage.run(built_.size(), [this](size_t at) {
@@ -97,6 +111,7 @@ class Pipeline {
             return encode(at);
         });
         if (!status) return status.error();
+        in_.clock.lap("tiles");
         include_children();
         return std::move(built_);
     }
@@ -139,7 +154,7 @@ class Pipeline {
         spec.address = node.address;
         spec.corner = in_.tree.corner(node.address);
         spec.side = in_.tree.side(node.address.level);
-        spec.texel = kLeafTexel;
+        spec.texel = in_.options.texture_law.finest;
         if (node.address.level > 0) spec.parent_error = level_error(2 * side_metres(node));
         spec.skirt_metres = kSkirtErrors * level_error(2 * side_metres(node)) + kSkirtLeastMetres;
         return spec;
@@ -229,10 +244,10 @@ class Pipeline {
         coarse_spec.corner = spec.corner;
         coarse_spec.side = spec.side;
         coarse_spec.error_metres = level_error(side_metres(node));
-        spec.texel = std::max(kLeafTexel, coarse_spec.error_metres / 2);
+        spec.texel = in_.options.texture_law.inner_texel(heights_[at], coarse_spec.error_metres);
         coarse_spec.triangle_limit = kInnerTriangles;
         const CoarseContent coarse = coarsen(std::move(children).value(), coarse_spec, workshop_);
-        spec.facade_texel = std::max(kLeafTexel, coarse.allowed_error);
+        spec.facade_texel = std::max(in_.options.texture_law.finest, coarse.allowed_error);
         spec.geometric_error = coarse.error;
         spec.inner = true;
         for (const BuildObject& object : coarse.content.objects) {
@@ -276,13 +291,15 @@ class Pipeline {
         }
         built.record = std::move(tile.record);
         built.triangles = tile.triangles;
+        built.needs_version_5 = tile.needs_version_5;
         return Done{};
     }
 
     const PipelineInput& in_;
     MemoryGate gate_;
     std::vector<BuiltTile> built_;
-    std::vector<TileSpec> specs_;  // by node
+    std::vector<TileSpec> specs_;    // by node
+    std::vector<uint32_t> heights_;  // by node: above the deepest leaf below it
     CityWishes wishes_;
     TileWorkshop workshop_;
 };

@@ -17,7 +17,8 @@ struct BuiltTile {
     std::array<quadtree::SpoolRange, tileset::kLayerCount> layers;  ///< in the layer spool
     quadtree::SpoolRange content;                                   ///< of inner tiles, in the content spool
     uint64_t triangles = 0;
-    uint64_t hidden_facades = 0;  ///< of a leaf: made plain walls because neighbours hide them
+    uint64_t hidden_facades = 0;   ///< of a leaf: made plain walls because neighbours hide them
+    bool needs_version_5 = false;  ///< as tileset::Manifest
 };
 
 struct PipelineInput {
@@ -30,6 +31,7 @@ struct PipelineInput {
     ChartDictionary& charts;       ///< is made; stays empty where options.shared_charts is not set
     quadtree::SpoolFile& chart_spool;
     Preview& preview;
+    StageClock& clock;
     bool made_up_ground = false;
 };
 

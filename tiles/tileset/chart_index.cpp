@@ -19,7 +19,7 @@ constexpr size_t kChartBytes = 8, kLevelBytes = 4;  // FORMAT.md has the columns
 // Sizes of levels hardly repeat, so an honest index is at most some times larger than its frame.
 constexpr uint64_t kMaxRatio = 256;
 constexpr uint64_t kFreeBytes = uint64_t{1} << 20;
-constexpr uint32_t kRepeats = ATLAS_CHART_REPEAT_U | ATLAS_CHART_REPEAT_V;
+constexpr uint32_t kFlags = codec::atlas::kSharedChartFlags;
 
 Error defect(std::string_view what) {
     return {fmt::format("{}: {}", kChartIndexPath, what)};
@@ -78,7 +78,10 @@ Result<std::vector<ChartRecord>> read_columns(std::span<const std::byte> raw, si
     for (size_t i = 0; i < count; ++i) {
         if (!size_fits(charts[i]))
             return defect(fmt::format("chart {} has {} x {} texels", i, charts[i].width, charts[i].height));
-        charts[i].level_count = codec::atlas::atlas_step_count(charts[i].width, charts[i].height);
+        const uint32_t levels = codec::atlas::atlas_step_count(charts[i].width, charts[i].height, charts[i].flags);
+        if (levels > codec::atlas::kMostChartLevels)
+            return defect(fmt::format("chart {} has {} x {} texels with alpha", i, charts[i].width, charts[i].height));
+        charts[i].level_count = levels;
         sum += charts[i].level_count;
     }
     if (sum != (raw.size() - count * kChartBytes) / kLevelBytes)
@@ -91,8 +94,8 @@ Result<std::vector<ChartRecord>> read_columns(std::span<const std::byte> raw, si
 Status check_chart(const ChartRecord& chart, size_t at) {
     const auto wrong = [at](const char* what) { return defect(fmt::format("chart {} {}", at, what)); };
     if (!size_fits(chart)) return wrong("has a size out of range");
-    if ((chart.flags & ~kRepeats) != 0) return wrong("has unknown flags");
-    if (chart.level_count != codec::atlas::atlas_step_count(chart.width, chart.height))
+    if ((chart.flags & ~kFlags) != 0) return wrong("has unknown flags");
+    if (chart.level_count != codec::atlas::atlas_step_count(chart.width, chart.height, chart.flags))
         return wrong("has another number of levels than its size asks for");
     for (const ChartLevelRecord& level : chart.levels()) {
         if (level.bytes <= codec::atlas::kChartChecksumBytes) return wrong("has a level without contents");

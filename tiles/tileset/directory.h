@@ -89,9 +89,9 @@ struct ChartLevelRecord {
 /// One chart of the city's chart dictionary, coarse to fine.
 struct ChartRecord {
     uint16_t width = 0, height = 0;   ///< texels of the finest mip, 1..8192
-    uint8_t flags = 0;                ///< ATLAS_CHART_REPEAT_U, _V
+    uint8_t flags = 0;                ///< ATLAS_CHART_REPEAT_U, _V, ATLAS_CHART_ALPHA
     std::array<uint8_t, 3> colour{};  ///< sRGB mean: what is shown while it cannot be had
-    uint32_t level_count = 0;         ///< codec::atlas::atlas_step_count(width, height)
+    uint32_t level_count = 0;         ///< codec::atlas::atlas_step_count(width, height, flags)
     std::array<ChartLevelRecord, codec::atlas::kMostChartLevels> level{};
     std::span<const ChartLevelRecord> levels() const { return {level.data(), level_count}; }
     friend bool operator==(const ChartRecord&, const ChartRecord&) = default;
@@ -115,6 +115,7 @@ struct Manifest {
     uint64_t facade_index_bytes = 0;  ///< of the entry facades/index (one zstd frame)
     uint64_t facade_index_decoded_bytes = 0;
     uint64_t facade_index_checksum = 0;
+    bool needs_version_5 = false;     ///< a tile's atlas has a form that older readers refuse: pages, charts with alpha
     uint64_t shared_chart_count = 0;  ///< 0: no tile names a shared chart, and there are no entries charts/
     uint64_t chart_index_bytes = 0;   ///< of the entry charts/index (one zstd frame)
     uint64_t chart_index_decoded_bytes = 0;

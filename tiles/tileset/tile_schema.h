@@ -16,7 +16,8 @@ namespace citystream::tiles::tileset {
 inline constexpr const char* kSchemaId = "citystream";
 inline constexpr const char* kTileClass = "tile";
 inline constexpr const char* kExtensionName = "CITYSTREAM_layers";
-inline constexpr int kExtensionVersion = 4, kOldestExtensionVersion = 2;
+inline constexpr uint32_t kExtensionVersion = 5, kOldestExtensionVersion = 2;
+inline constexpr uint32_t kCommonExtensionVersion = 4;  ///< of cities that need no newer one
 inline constexpr const char* kSubtreeTemplate = "subtrees/{level}/{x}/{y}.subtree";
 std::string layer_template(Layer layer);  ///< "tiles/{level}/{x}/{y}.mesh"
 

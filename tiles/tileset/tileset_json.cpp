@@ -116,7 +116,7 @@ OrderedJson charts_json(const Manifest& manifest) {
 
 OrderedJson extension_json(const Manifest& manifest) {
     OrderedJson extension;
-    extension["version"] = kExtensionVersion;
+    extension["version"] = manifest.needs_version_5 ? kExtensionVersion : kCommonExtensionVersion;
     extension["title"] = manifest.title;
     extension["epsg"] = manifest.epsg;
     extension["gridBits"] = kGridBits;
@@ -244,7 +244,8 @@ Result<Manifest> parse_tileset_json(std::span<const std::byte> bytes) {
     const JsonFields root = document.object("root");
     read_tiling(root, manifest);
     const JsonFields extension = document.object("extensions").object(kExtensionName);
-    extension.integer("version", kOldestExtensionVersion, kExtensionVersion);
+    manifest.needs_version_5 =
+        extension.integer("version", kOldestExtensionVersion, kExtensionVersion) > kCommonExtensionVersion;
     manifest.title = extension.text("title");
     manifest.build_options = extension.text("buildOptions");
     read_space(extension, manifest);

@@ -103,6 +103,9 @@ TEST_F(GpuTwin, AtlasTexelsAreTheSameBytes) {
     std::vector<codec::atlas::ChartImage> charts = {test_chart(1, 1), test_chart(130, 67), test_chart(5, 64),
                                                     test_chart(64, 64)};
     for (uint8_t& byte : charts[1].rgb) byte = static_cast<uint8_t>(random.next());
+    charts.push_back(test_chart(43, 20));
+    for (size_t i = 0; i < charts[4].rgb.size() / 3; ++i)
+        charts[4].alpha.push_back(static_cast<uint8_t>(random.next()));
     const LayerSteps steps = codec::atlas::encode_atlas(charts);
     const std::vector<uint32_t> words = joined(steps);
     const auto view = codec::atlas::AtlasLayerView::create(words, step_words(steps));
@@ -120,7 +123,8 @@ TEST_F(GpuTwin, AtlasTexelsAreTheSameBytes) {
             for (uint32_t i = 0; i < width * height; ++i) {
                 uint8_t rgb[3];
                 view->texel(chart, mip, i % width, i / width, rgb);
-                ASSERT_EQ(gpu[i], static_cast<uint32_t>(rgb[0] | rgb[1] << 8 | rgb[2] << 16))
+                const uint32_t alpha = view->alpha(chart, mip, i % width, i / width);
+                ASSERT_EQ(gpu[i], static_cast<uint32_t>(rgb[0] | rgb[1] << 8 | rgb[2] << 16) | alpha << 24)
                     << "chart " << chart << " mip " << mip;
             }
         }

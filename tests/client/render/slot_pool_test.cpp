@@ -71,6 +71,11 @@ TEST_P(SlotPoolTest, AppendsFillTheLastSlotFirstAndKeepEveryWord) {
         EXPECT_EQ(pool_.layers[layer].slots.size(), (expected.size() + kSlotWords - 1) / kSlotWords);
     }
     EXPECT_EQ(read_back(layer), expected);
+    EXPECT_EQ(read_words(pool_, layer, expected.size() + 9), expected);
+    expected.resize(9001);
+    EXPECT_EQ(read_words(pool_, layer, 9001), expected);
+    EXPECT_TRUE(read_words(pool_, layer, 0).empty());
+    EXPECT_TRUE(read_words(pool_, kNoLayer, 5).empty());
 }
 
 TEST_P(SlotPoolTest, ChunksNeverExceedTheBudgetAndARefusedAppendChangesNothing) {

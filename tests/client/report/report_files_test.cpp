@@ -55,12 +55,59 @@ TEST(Report, NamedSettingsKeepTheirNamesInEveryFile) {
     EXPECT_NE(frames_csv(named_settings()).find("facade-renderer,fdm,0,"), std::string::npos);
     const std::string html = report_html(SweepOptions{}, named_settings());
     EXPECT_NE(html.find("<td>archive</td><td>merged 2mm</td>"), std::string::npos);
-    EXPECT_NE(html.find("merged 2mm: --merge-tolerance &lt;2&gt;"), std::string::npos);
+    EXPECT_NE(html.find("archive merged 2mm: --merge-tolerance &lt;2&gt;"), std::string::npos);
+}
+
+/// Points of a plot, in order: their labels.
+std::vector<std::string> labels_of(const std::string& svg) {
+    std::vector<std::string> out;
+    for (size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1)) {
+        const size_t begin = svg.find('>', svg.find("<text", at)) + 1;
+        out.push_back(svg.substr(begin, svg.find('<', begin) - begin));
+    }
+    return out;
+}
+
+TEST(Report, SaliencyMetricsAreLinesOfTheirOwnThatBeginWithoutSaliency) {
+    SweepResult result = two_settings();
+    for (const char* name : {"none", "ssim:0.99", "ssim:0.95", "flip:0.05"}) {
+        result.settings.push_back(result.settings[0]);
+        result.settings.back().setting = {"saliency", 0, name, "built.3tz"};
+        result.settings.back().total_atlas_bytes = 1000;
+    }
+    result.settings.erase(result.settings.begin(), result.settings.begin() + 2);
+    const std::string html = report_html(SweepOptions{}, result);
+    const size_t plot = html.find("<svg");
+    const std::string svg = html.substr(plot, html.find("</svg>", plot) - plot);
+    EXPECT_EQ(labels_of(svg), (std::vector<std::string>{"none", "flip:0.05", "none", "ssim:0.99", "ssim:0.95"}));
+    EXPECT_NE(svg.find(">saliency flip<"), std::string::npos);
+    EXPECT_NE(svg.find(">saliency ssim<"), std::string::npos);
+    EXPECT_NE(html.find("saliency ssim:0.95: "), std::string::npos) << "how the archive was built";
+    result.settings.resize(1);
+    EXPECT_EQ(labels_of(report_html(SweepOptions{}, result)).size(), 5u) << "no metric: the one point of each plot";
+}
+
+TEST(Report, BytesOfPicturesAreInEveryFile) {
+    SweepResult result = two_settings();
+    result.settings[0].total_atlas_bytes = 4321;
+    result.settings[0].frames[1].atlas_bytes = 987;
+    const auto json = nlohmann::json::parse(report_json(SweepOptions{}, result));
+    EXPECT_EQ(json["settings"][0]["atlas_bytes"], 4321);
+    EXPECT_NE(frames_csv(result).find(",987,"), std::string::npos);
+    EXPECT_NE(report_html(SweepOptions{}, result).find("<td>4.3</td>"), std::string::npos);
+}
+
+TEST(Setting, FileNamesHaveNeitherBlanksNorColons) {
+    EXPECT_EQ((Setting{"saliency", 0, "ssim:0.99", {}}).file_prefix(), "saliency_ssim_0.99");
+    EXPECT_EQ((Setting{"archive", 0, "merged 2mm", {}}).file_prefix(), "archive_merged_2mm");
+    EXPECT_EQ((Setting{"rate-distortion", 16, {}, {}}).file_prefix(), "rate-distortion_16");
 }
 
 TEST(Setting, LabelsHaveUnitsWhereThereAreNumbers) {
     EXPECT_EQ((Setting{"tolerance", 0.5, {}, {}}).label(), "0.5 px");
     EXPECT_EQ((Setting{"relief-tolerance", 2, {}, {}}).label(), "2 px");
+    EXPECT_EQ((Setting{"texel-tolerance", 2, {}, {}}).label(), "2 px");
+    EXPECT_EQ((Setting{"rate-distortion", 16, {}, {}}).label(), "16");
     EXPECT_EQ((Setting{"gpu-budget", 64, {}, {}}).label(), "64 MiB");
     EXPECT_EQ((Setting{"map-level", 0, "auto", {}}).label(), "auto");
 }

@@ -16,7 +16,7 @@ ChartRecord record_of(uint32_t side) {
     ChartRecord record;
     record.width = record.height = static_cast<uint16_t>(side);
     record.colour = {1, 2, 3};
-    record.level_count = codec::atlas::atlas_step_count(side, side);
+    record.level_count = codec::atlas::atlas_step_count(side, side, 0);
     for (uint32_t level = 0; level < record.level_count; ++level) record.level[level].bytes = 10 * (level + 1);
     return record;
 }
@@ -72,9 +72,9 @@ TEST(ChartDictionary, SizesOfPrefixesAreThoseOfTheirLevels) {
     EXPECT_EQ(d.finest_mip({2, 3}), 0u);
     uint64_t bytes = 0;
     for (uint32_t level = 0; level < 3; ++level) {
-        bytes += 4 * codec::atlas::atlas_step_words(256, 256, level);
+        bytes += 4 * codec::atlas::atlas_step_words(256, 256, 0, level);
         EXPECT_EQ(d.decoded_bytes({2, level + 1}), bytes);
-        EXPECT_EQ(d.finest_mip({2, level + 1}), codec::atlas::atlas_step_finest_mip(256, 256, level));
+        EXPECT_EQ(d.finest_mip({2, level + 1}), codec::atlas::atlas_step_finest_mip(256, 256, 0, level));
     }
     EXPECT_EQ(d.colour(2), 0x030201u);
 }

@@ -274,6 +274,46 @@ TEST(Selection, ABudgetRaisesBothTolerances) {
     }
 }
 
+TEST(Selection, TexelsFollowTheirOwnToleranceAndNothingElseDoes) {
+    World& all = world();
+    Selector common(all.directory, all.knowledge);
+    uint32_t fewer = 0;
+    for (double z = 10; z < 1500; z *= 1.5) {
+        const Camera camera = all.city.camera(400, 400, z, 30, -40);
+        const Selection plain = common.select(camera, 1.0, 4096);
+        for (const double pixels : {0.25, 1.0, 4.0}) {
+            Selector selector(all.directory, all.knowledge, {}, pixels);
+            const Selection chosen = selector.select(camera, 1.0, 4096);
+            ASSERT_EQ(chosen.tiles.size(), plain.tiles.size());
+            for (size_t i = 0; i < chosen.tiles.size(); ++i) {
+                const SelectedTile& tile = chosen.tiles[i];
+                const auto& steps = all.directory.node(tile.node).record->steps(Layer::kAtlas);
+                EXPECT_EQ(tile.node, plain.tiles[i].node);
+                EXPECT_EQ(tile.steps_of(Layer::kMesh), plain.tiles[i].steps_of(Layer::kMesh));
+                EXPECT_EQ(tile.pieces, plain.tiles[i].pieces);
+                EXPECT_EQ(tile.steps_of(Layer::kAtlas),
+                          shortest_prefix(steps, static_cast<uint32_t>(steps.size()), tile.pixels_per_metre, pixels));
+                fewer += tile.steps_of(Layer::kAtlas) < plain.tiles[i].steps_of(Layer::kAtlas) ? 1 : 0;
+            }
+        }
+    }
+    EXPECT_GT(fewer, 0u) << "no tile has a step between the tolerances: the test is too easy";
+}
+
+TEST(Selection, ABudgetRaisesTheToleranceOfTexelsToo) {
+    World& all = world();
+    Selector selector(all.directory, all.knowledge, {}, 0.5);
+    const Camera camera = all.city.camera(300, 300, 20, 30, -20);
+    const uint64_t whole = selector.select(camera, 1.0, 1024).cost.slots;
+    const Selection bound = selector.select_within(camera, 1.0, {1024, whole / 2, ~uint64_t{0}, 0});
+    ASSERT_GT(bound.tolerance, 1.0);
+    for (const SelectedTile& tile : bound.tiles) {
+        const auto& steps = all.directory.node(tile.node).record->steps(Layer::kAtlas);
+        EXPECT_EQ(tile.steps_of(Layer::kAtlas), shortest_prefix(steps, static_cast<uint32_t>(steps.size()),
+                                                                tile.pixels_per_metre, 0.5 * bound.tolerance));
+    }
+}
+
 TEST(Selection, RaisesTheToleranceToTheSmallestStepThatFitsTheBudget) {
     World& all = world();
     Selector selector(all.directory, all.knowledge);

@@ -68,6 +68,23 @@ TEST(FlightStatistics, TheChartDictionaryIsCountedByFrameAndInAll) {
     EXPECT_EQ(flown(test::SyntheticCity(), 3, false)["summary"]["charts"]["dictionary_bytes"], 0);
 }
 
+TEST(FlightStatistics, BytesOfLayersAndDictionariesAndSubtreesAreAllThatWasReceived) {
+    test::SyntheticOptions options;
+    options.shared_charts = 20;
+    const Json json = flown(test::SyntheticCity(options), 12, true);
+    const Json& all = json["summary"]["bytes"];
+    uint64_t of_layers = 0, atlas = 0;
+    for (const Json& bytes : all["layers"]) of_layers += bytes.get<uint64_t>();
+    for (const Json& frame : json["frames"]) atlas += frame["bytes"]["layers"]["atlas"].get<uint64_t>();
+    EXPECT_EQ(all["layers"]["atlas"], atlas);
+    EXPECT_GT(atlas, 0u);
+    EXPECT_GT(all["layers"]["mesh"], 0);
+    const uint64_t of_dictionaries = json["summary"]["facades"]["dictionary_bytes"].get<uint64_t>() +
+                                     json["summary"]["charts"]["dictionary_bytes"].get<uint64_t>();
+    EXPECT_LE(of_layers + of_dictionaries, all["wire"].get<uint64_t>());
+    EXPECT_GT(of_layers + of_dictionaries, all["wire"].get<uint64_t>() / 2) << "the rest are subtrees";
+}
+
 TEST(FlightStatistics, WithoutReliefTheDictionaryCostsNothing) {
     test::SyntheticOptions plain;
     plain.facades = false;

@@ -113,6 +113,55 @@ TEST(SharedCharts, TilesDrawTheShortestPrefixThatTheirDistanceAllows) {
     }
 }
 
+/// Tiles without facades, whose meshes show their charts in strips 32 m wide: charts 3, 4 and 5 of kTile begin at 32,
+/// 64 and 96 m.
+const SyntheticCity& city_of_strips() {
+    static const SyntheticCity city([] {
+        test::SyntheticOptions options = with_charts(90);
+        options.facades = false;
+        options.chart_strips = true;
+        return options;
+    }());
+    return city;
+}
+
+TEST(SharedCharts, EachChartOfATileIsAsFineAsItsOwnTrianglesAreNear) {
+    const SyntheticCity& city = city_of_strips();
+    ASSERT_LT(city.tile(kTile).steps(test::Layer::kMesh)[0].error, 1) << "strips are taken larger by this";
+    // Yaw 0 looks north, along the strips. The distances at which levels change are in the test above.
+    const std::vector<std::pair<double, Levels>> northward = {
+        {-20, {{3, 1}, {4, 1}, {5, 1}}}, {10, {{3, 1}, {4, 1}, {5, 1}}}, {25, {{3, 1}, {4, 1}, {5, 2}}},
+        {45, {{3, 1}, {4, 2}, {5, 2}}},  {65, {{3, 1}, {4, 2}, {5, 3}}}, {101, {{3, 1}, {4, 1}, {5, 3}}}};
+    Flight flown(city);
+    for (const auto& [y, levels] : northward) {
+        Flight fresh(city);
+        const Camera camera = city.camera(30, y, 8, 0, 0);
+        EXPECT_EQ(levels_of(draw_of(city, flown.update(camera), kTile)), levels) << y;
+        EXPECT_EQ(levels_of(draw_of(city, fresh.update(camera), kTile)), levels) << y << ", whatever came before";
+    }
+}
+
+TEST(SharedCharts, WhereTheirTrianglesAreIsKnownBeforeAnyLevelIsAskedForAndWithoutDecoding) {
+    const SyntheticCity& city = city_of_strips();
+    StreamerOptions counting;
+    counting.decode = false;
+    counting.directory_pool = std::make_shared<DirectoryPool>();
+    Flight drawing(city, whole_view()), loading(city, counting);
+    for (const double y : {10.0, 60.0, 100.0}) {
+        drawing.update(city.camera(30, y, 8, 0, 0));
+        loading.update(city.camera(30, y, 8, 0, 0));
+        EXPECT_EQ(drawing.frame.wire_bytes, loading.frame.wire_bytes);
+        EXPECT_EQ(drawing.frame.chart_level_bytes, loading.frame.chart_level_bytes);
+    }
+    bool levels_asked = false;
+    for (const FetchRequest& request : drawing.fetcher.log) {
+        levels_asked = levels_asked || request.path == kChartLevelsPath;
+        const bool of_first_view = request.path == layer_path(test::Layer::kMesh, kTile);
+        EXPECT_FALSE(levels_asked && of_first_view && request.offset == 0) << "the mesh comes first";
+    }
+    EXPECT_TRUE(levels_asked);
+}
+
 TEST(SharedCharts, TheWordsInTheStoreAreThoseOfTheLevelsInTheirOrder) {
     const SyntheticCity& city = shared_city();
     for (const bool shuffled : {false, true}) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "client/select/chart_dictionary.h"
 #include "client/select/facade_dictionary.h"
 #include "codec/atlas/atlas_layer.h"
+#include "codec/atlas/page_layer.h"
 #include "codec/atlas/shared_chart.h"
 #include "codec/bits/zstd_frame.h"
 #include "codec/facade/facade_layer.h"
@@ -39,7 +41,11 @@ struct SyntheticOptions {
     uint32_t map_width = 40;          ///< texels of the narrowest map
     bool subtree_bytes_known = true;  ///< false: a manifest that does not say how large subtrees get
     uint32_t shared_charts = 0;       ///< in the dictionary: every tile shows three of them beside one of its own
-    bool rough_maps = false;          ///< payloads of a kilobyte and more instead of some tens of bytes
+    bool chart_strips = false;        ///< meshes show charts 0 to 3 from south to north, not 0 and 1 in turn
+    bool pages = false;               ///< atlases in pages instead of charts
+    /// What becomes of the page atlas of one tile before it is written.
+    std::pair<TileAddress, std::function<void(LayerSteps&)>> change_atlas;
+    bool rough_maps = false;  ///< payloads of a kilobyte and more instead of some tens of bytes
 };
 
 class SyntheticCity {
@@ -167,7 +173,8 @@ class SyntheticCity {
             for (uint32_t x = 0; x < kCells; ++x) {
                 const uint32_t a = y * (kCells + 1) + x, b = a + 1, c = a + kCells + 1, d = c + 1;
                 mesh.indices.insert(mesh.indices.end(), {a, b, d, a, d, c});
-                mesh.triangle_chart.insert(mesh.triangle_chart.end(), {x % 2, x % 2});
+                const uint32_t chart = options_.chart_strips ? y / 2 : x % 2;
+                mesh.triangle_chart.insert(mesh.triangle_chart.end(), {chart, chart});
             }
         }
         mesh.dressed_begin = static_cast<uint32_t>(mesh.triangle_chart.size()) - 4;
@@ -213,6 +220,12 @@ class SyntheticCity {
         std::vector<codec::atlas::ChartImage> local;
         for (uint32_t c = 0; c < (options_.shared_charts > 0 ? 1u : 2u); ++c) {
             local.push_back(noise(options_.chart_size, texel, record.address.x * 1000 + record.address.y + c));
+        }
+        if (options_.pages) {
+            LayerSteps steps = *codec::atlas::encode_pages(local);
+            if (options_.change_atlas.second && options_.change_atlas.first == record.address)
+                options_.change_atlas.second(steps);
+            return write_layer(record, Layer::kAtlas, steps);
         }
         auto& shared = charts_of_tile[record.address];
         for (uint32_t i = 0; options_.shared_charts > 0 && i < 3; ++i) {

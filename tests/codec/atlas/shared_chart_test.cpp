@@ -33,22 +33,22 @@ TEST(SharedChart, SizesOfItsLevelsFollowFromItsOwn) {
     for (const uint32_t width : {1u, 3u, 4u, 37u, 64u, 100u, 513u}) {
         for (const uint32_t height : {1u, 5u, 64u, 300u}) {
             const LayerSteps steps = steps_of(noisy_chart(width, height));
-            ASSERT_EQ(atlas_step_count(width, height), steps.size()) << width << " x " << height;
+            ASSERT_EQ(atlas_step_count(width, height, 0), steps.size()) << width << " x " << height;
             for (uint32_t step = 0; step < steps.size(); ++step) {
-                EXPECT_EQ(atlas_step_words(width, height, step), steps[step].words.size());
-                EXPECT_EQ(atlas_step_finest_mip(width, height, step), steps.size() - 1 - step);
+                EXPECT_EQ(atlas_step_words(width, height, 0, step), steps[step].words.size());
+                EXPECT_EQ(atlas_step_finest_mip(width, height, 0, step), steps.size() - 1 - step);
             }
         }
     }
 }
 
 TEST(SharedChart, TheLargestOneHasEightLevels) {
-    EXPECT_EQ(atlas_step_count(8192, 8192), kMostChartLevels);
-    EXPECT_EQ(atlas_step_words(8192, 8192, 7), 1u + 2 * 2048 * 2048);
-    EXPECT_LE(4 * atlas_step_words(8192, 8192, 0), 4096u + 4 * (ATLAS_HEADER_WORDS + ATLAS_CHART_WORDS));
+    EXPECT_EQ(atlas_step_count(8192, 8192, 0), kMostChartLevels);
+    EXPECT_EQ(atlas_step_words(8192, 8192, 0, 7), 1u + 2 * 2048 * 2048);
+    EXPECT_LE(4 * atlas_step_words(8192, 8192, 0, 0), 4096u + 4 * (ATLAS_HEADER_WORDS + ATLAS_CHART_WORDS));
     for (uint32_t width = 1; width <= 8192; width *= 2)
-        EXPECT_LE(atlas_step_count(width, 8192), kMostChartLevels) << width;
-    EXPECT_EQ(atlas_step_count(64, 64), 1u) << "all mips take less than 4 KiB";
+        EXPECT_LE(atlas_step_count(width, 8192, 0), kMostChartLevels) << width;
+    EXPECT_EQ(atlas_step_count(64, 64, 0), 1u) << "all mips take less than 4 KiB";
 }
 
 TEST(SharedChart, LevelsComeBackFromTheirPayloads) {
@@ -63,7 +63,7 @@ TEST(SharedChart, LevelsComeBackFromTheirPayloads) {
         EXPECT_EQ(*words, steps[step].words);
         const auto view = shared_chart_view(words_of(steps, step + 1), 200, 90, 0, step + 1);
         ASSERT_TRUE(view.ok()) << view.error().text();
-        EXPECT_EQ(view->finest_mip(), atlas_step_finest_mip(200, 90, step));
+        EXPECT_EQ(view->finest_mip(), atlas_step_finest_mip(200, 90, 0, step));
     }
 }
 

@@ -270,10 +270,11 @@ TEST_F(BuildCity, ErrorsAndBoundsGrowUpTheTree) {
 }
 
 TEST_F(BuildCity, InnerTilesStateAnErrorOfAtLeastTheTexelsOfTheirPictures) {
-    for (const bool shared : {false, true}) {
+    for (const auto& [shared, law] : {std::pair{false, "0.02"}, {false, "0.02,4,8"}, {true, "0.02,4,8"}}) {
         const auto built = build("city.3tz", generated(150), [&](BuildOptions& options) {
             options.leaf_triangles = 1500;
             options.shared_charts = shared;
+            options.texture_law = *parse_texture_law(law);
         });
         ASSERT_TRUE(built.ok());
         const OpenCity city = open_city(path("city.3tz"));
@@ -284,6 +285,11 @@ TEST_F(BuildCity, InnerTilesStateAnErrorOfAtLeastTheTexelsOfTheirPictures) {
             const float stand_ins = tile.flat_facade_error;  // pictures of relief are shown only while it allows
             EXPECT_GE(std::max(tile.geometric_error, stand_ins), tile.steps(Layer::kAtlas).back().error);
             if (shared) continue;  // whose pictures are as fine as those of leaves
+            // Their pictures have texels of half the geometry's error, or of a level law above leaves of 2 cm.
+            if (law != std::string_view("0.02")) {
+                EXPECT_GE(tile.geometric_error, 0.08F);
+                continue;
+            }
             EXPECT_GE(tile.geometric_error, std::ldexp(1.0F, static_cast<int>(city.manifest.root_side_log2) -
                                                                  static_cast<int>(address.level) - 10));
         }

@@ -86,9 +86,29 @@ TEST_F(ImageDecode, ColoursAreNotMultipliedByAlpha) {
         spec.alpha_channel = 3;
         spec.attribute("oiio:UnassociatedAlpha", 1);
         const Bytes values = {200, 100, 50, 128, 10, 20, 30, 0};
-        EXPECT_EQ(decoded(folder_.write(name, spec, values, TypeDesc::UINT8)).rgb, (Bytes{200, 100, 50, 10, 20, 30}))
-            << name;
+        const auto file = ImageFile::open(folder_.write(name, spec, values, TypeDesc::UINT8));
+        ASSERT_TRUE(file.ok()) << name;
+        EXPECT_TRUE((*file)->has_alpha());
+        const auto image = read_whole(**file);
+        ASSERT_TRUE(image.ok()) << name;
+        EXPECT_EQ(image->rgb, (Bytes{200, 100, 50, 10, 20, 30})) << name;
+        EXPECT_EQ(image->alpha, (Bytes{128, 0})) << name;
     }
+}
+
+TEST_F(ImageDecode, AlphaIsKeptWhereItHidesSomethingAndHiddenColoursAreThoseAround) {
+    const auto read_back = [&](const char* name, const Bytes& values) {
+        ImageSpec spec(2, 1, 4, TypeDesc::UINT8);
+        spec.alpha_channel = 3;
+        spec.attribute("oiio:UnassociatedAlpha", 1);
+        return decoded(folder_.write(name, spec, values, TypeDesc::UINT8));
+    };
+    const ChartImage holed = read_back("holed.png", {200, 100, 50, 128, 10, 20, 30, 0});
+    EXPECT_EQ(holed.alpha, (Bytes{128, 0}));
+    EXPECT_EQ(holed.rgb, (Bytes{200, 100, 50, 200, 100, 50}));
+    const ChartImage solid = read_back("solid.png", {200, 100, 50, 255, 10, 20, 30, 128});
+    EXPECT_TRUE(solid.alpha.empty());
+    EXPECT_EQ(solid.rgb, (Bytes{200, 100, 50, 10, 20, 30}));
 }
 
 TEST_F(ImageDecode, TiledFilesAreReadLikeOthers) {
@@ -150,7 +170,7 @@ TEST_F(ImageDecode, StripsOfRowsAreTheWholePicture) {
     ASSERT_TRUE(file.ok());
     Bytes read;
     uint32_t next = 0;
-    ASSERT_TRUE((*file)->visit_rows([&](uint32_t y, uint32_t count, std::span<const uint8_t> rgb) {
+    ASSERT_TRUE((*file)->visit_rows([&](uint32_t y, uint32_t count, std::span<const uint8_t> rgb, auto) {
         EXPECT_EQ(y, next);
         EXPECT_EQ(rgb.size(), size_t{3} * kWidth * count);
         EXPECT_LE(2 * rgb.size(), (*file)->strip_bytes());

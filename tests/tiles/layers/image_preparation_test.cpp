@@ -247,7 +247,7 @@ TEST(ImagePlan, NeverHoldsMoreThanTheBudgetButForTheImageItself) {
         const ChartSize image{random(1U << random(16)), random(1U << random(16))};
         const ChartSize wanted{std::min(8192U, random(image.width)), std::min(8192U, random(image.height))};
         const uint64_t budget = (uint64_t{1} << 20) << random(10), strip = uint64_t{6} * 64 * image.width;
-        const ImagePlan plan = plan_image(image, wanted, random(2) == 1, false, strip, budget);
+        const ImagePlan plan = plan_image({image, strip, false, i % 2 == 1}, wanted, random(2) == 1, budget);
         ASSERT_LE(plan.size.width, wanted.width);
         ASSERT_LE(plan.size.height, wanted.height);
         ASSERT_EQ(plan.halved, plan.size != wanted);
@@ -259,14 +259,14 @@ TEST(ImagePlan, NeverHoldsMoreThanTheBudgetButForTheImageItself) {
 
 TEST(ImagePlan, ReadsByRowsOnlyWhatDoesNotFit) {
     constexpr uint64_t kMiB = 1 << 20;
-    const ImagePlan roomy = plan_image({4096, 4096}, {1024, 1024}, true, false, kMiB, 1024 * kMiB);
+    const ImagePlan roomy = plan_image({{4096, 4096}, kMiB}, {1024, 1024}, true, 1024 * kMiB);
     EXPECT_FALSE(roomy.by_rows);
     EXPECT_TRUE(roomy.searched);
-    const ImagePlan tight = plan_image({4096, 4096}, {1024, 1024}, true, false, kMiB, 48 * kMiB);
+    const ImagePlan tight = plan_image({{4096, 4096}, kMiB}, {1024, 1024}, true, 48 * kMiB);
     EXPECT_TRUE(tight.by_rows);
     EXPECT_FALSE(tight.halved);
     EXPECT_FALSE(tight.searched);
-    const ImagePlan tiny = plan_image({4096, 4096}, {1024, 1024}, true, false, kMiB, 5 * kMiB);
+    const ImagePlan tiny = plan_image({{4096, 4096}, kMiB}, {1024, 1024}, true, 5 * kMiB);
     EXPECT_TRUE(tiny.halved);
     EXPECT_EQ(tiny.size, (ChartSize{512, 512}));
     EXPECT_LE(tiny.bytes, 5 * kMiB);

@@ -2,6 +2,7 @@
 #include "tiles/layers/image_uses.h"
 
 #include "tests/tiles/layers/image_files.h"
+#include "tiles/layers/texture_law.h"
 
 namespace citystream::tiles::layers {
 namespace {
@@ -94,7 +95,8 @@ TEST_F(ImageUses, MaterialsOfFacadesCountWhereTheirMapShowsThem) {
     EXPECT_TRUE(found[2].on_facades);
     EXPECT_EQ(found[2].coverage.metres_u, 3);
     EXPECT_EQ(found[2].coverage.metres_v, 3);
-    EXPECT_EQ(finest_size({1024, 1024}, found[2]), (ChartSize{128, 128})) << "texels of 3 / 128 m, not of 3 / 256";
+    EXPECT_EQ(finest_size({1024, 1024}, found[2], kLeafTexel), (ChartSize{128, 128}))
+        << "texels of 3 / 128 m, not of 3 / 256";
 }
 
 TEST_F(ImageUses, DoNotDependOnThreads) {
@@ -111,21 +113,21 @@ TEST_F(ImageUses, AWallThatShowsOnePointOfAnImageUsesIt) {
     wall(material(0), 4, 4, 0.5, 0.5, 0.5, 0.5);
     const auto found = uses();
     EXPECT_TRUE(found[0].used());
-    EXPECT_EQ(finest_size({64, 32}, found[0]), (ChartSize{64, 32})) << "nothing says how large it may be";
+    EXPECT_EQ(finest_size({64, 32}, found[0], kLeafTexel), (ChartSize{64, 32})) << "nothing says how large it may be";
 }
 
 TEST(FinestSize, HalvesEachAxisWhileItIsFinerThanAnyTileShows) {
     ImageUse use;
     use.coverage = {20, 15, 1, 1, 1, 1, 0};
     // Texels of 20 / 1500 m are the finest that tiles show.
-    EXPECT_EQ(finest_size({1500, 1125}, use), (ChartSize{1500, 1125}));
-    EXPECT_EQ(finest_size({1501, 1126}, use), (ChartSize{750, 563}));
-    EXPECT_EQ(finest_size({6004, 100}, use), (ChartSize{750, 100}));
-    EXPECT_EQ(finest_size({1, 1}, use), (ChartSize{1, 1}));
+    EXPECT_EQ(finest_size({1500, 1125}, use, kLeafTexel), (ChartSize{1500, 1125}));
+    EXPECT_EQ(finest_size({1501, 1126}, use, kLeafTexel), (ChartSize{750, 563}));
+    EXPECT_EQ(finest_size({6004, 100}, use, kLeafTexel), (ChartSize{750, 100}));
+    EXPECT_EQ(finest_size({1, 1}, use, kLeafTexel), (ChartSize{1, 1}));
     use.coverage.metres_u = 1e6;
-    EXPECT_EQ(finest_size({16384, 8193}, use), (ChartSize{8192, 1024}));
+    EXPECT_EQ(finest_size({16384, 8193}, use, kLeafTexel), (ChartSize{8192, 1024}));
     use.coverage.metres_u = 1e-9;
-    EXPECT_EQ(finest_size({16384, 8193}, use), (ChartSize{1, 1024}));
+    EXPECT_EQ(finest_size({16384, 8193}, use, kLeafTexel), (ChartSize{1, 1024}));
 }
 
 }  // namespace

@@ -144,6 +144,19 @@ TEST_F(ShelvedCharts, PartsOfAnImageCountAsWhatWouldBeCutOut) {
     EXPECT_EQ(charts.use(0, objects_[0].paints[0]).scale, (std::array<double, 2>{1, 1}));
 }
 
+TEST_F(ShelvedCharts, PartsOfAnImageThatRepeatsShareItsOneChart) {
+    show(chequered(20, 200), 4);
+    for (auto& triangle : objects_[0].triangles) {
+        for (auto& corner : triangle.texcoord) corner[0] = corner[0] / 8;
+    }
+    OneOfEach shelf;
+    (void)settle_with(shelf);
+    ASSERT_EQ(shelf.asked().size(), 1U);
+    EXPECT_EQ(shelf.asked()[0].key.kind, ChartKey::Kind::kRepeatedImage)
+        << "where others show it repeated, it is there";
+    EXPECT_EQ(shelf.asked()[0].demand.texels, 5U * kSide) << "still only what would be cut out";
+}
+
 TEST_F(ShelvedCharts, TwoUsesOfOneSharedChartAreOneEntryWithTheCoarserTexel) {
     show(chequered(20, 200), 4);
     show(chequered(20, 200), 8);

@@ -76,6 +76,17 @@ TEST(TilesetJson, OlderVersionsAreRead) {
     }
 }
 
+TEST(TilesetJson, OnlyCitiesThatNeedVersionFiveSayIt) {
+    Manifest manifest = small_city().manifest;
+    EXPECT_NE(write_tileset_json(manifest).find("\"version\": 4,"), std::string::npos);
+    manifest.needs_version_5 = true;
+    const std::string json = write_tileset_json(manifest);
+    EXPECT_NE(json.find("\"version\": 5,"), std::string::npos);
+    const auto parsed = parse_tileset_json(bytes_of(json));
+    ASSERT_TRUE(parsed.ok()) << parsed.error().text();
+    EXPECT_EQ(*parsed, manifest);
+}
+
 TEST(TilesetJson, ManifestsComeBackExactly) {
     for (uint32_t seed = 0; seed < 20; ++seed) {
         Manifest manifest = make_synthetic_city(seed, 1 + seed % 5, 1 + seed % 4).manifest;
@@ -137,7 +148,7 @@ TEST(TilesetJson, WrongFieldsAreNamed) {
         {"\"epsg\": 25832", "\"epsg\": -1", "epsg"},
         {"CITYSTREAM_layers\": {", "OTHER_layers\": {", "CITYSTREAM_layers"},
         {"\"version\": 4,", "\"version\": 1,", "CITYSTREAM_layers.version"},
-        {"\"version\": 4,", "\"version\": 5,", "CITYSTREAM_layers.version"},
+        {"\"version\": 4,", "\"version\": 6,", "CITYSTREAM_layers.version"},
         {"\"indexChecksum\": \"", "\"indexChecksum\": \"x", "indexChecksum"},
         {"tiles/{level}/{x}/{y}.atlas", "../{level}/{x}/{y}.atlas", "atlas.uri"},
         {"\"mapsUri\": \"facades/maps\"", "\"mapsUri\": \"http://a/b\"", "mapsUri"},

@@ -1,0 +1,56 @@
+// The chart in pages that a corner of a mesh triangle shows, and its place in it, by the transport that the pipeline is made for
+// (client/render/chart_transport.h). Made on the CPU: client/render/chart_coordinates.h.
+#ifndef CITYSTREAM_PAGE_CORNER_GLSL
+#define CITYSTREAM_PAGE_CORNER_GLSL
+
+#include "shaders/mesh_fetch.glsl"
+#include "shaders/page_chart.glsl"
+
+struct PageCorner {
+    PageSurface surface;
+    vec2 place;  // repeats
+};
+
+PageCorner corner_by_table(Pages pages, uvec2 mesh, uint widths, uint corner, uint vertex) {
+    uint entry = mesh_chart_entry(mesh, widths, corner / 3u);
+    PagedChart chart = paged_chart(pages, layer_word(mesh, entry + MESH_CHART_ATLAS));
+    bvec2 repeats = bvec2((chart.flags & PAGES_CHART_REPEAT_U) != 0u, (chart.flags & PAGES_CHART_REPEAT_V) != 0u);
+    return PageCorner(surface_of(pages, chart), mesh_place(mesh, entry, vertex, repeats));
+}
+
+PageCorner corner_by_uniform(Pages pages, uvec2 mesh, uint widths, uint corner, uint vertex) {
+    uvec2 words = uvec2(constants.tile.shared_charts[0], constants.tile.shared_charts[1]);
+    uint flags = words.y & WRAP_PLACE_MASK;
+    PagedChart chart = PagedChart(flags | (words.x & WRAP_PLACE_MASK) << 16, words.x, words.y);
+    bvec2 repeats = bvec2((flags & PAGES_CHART_REPEAT_U) != 0u, (flags & PAGES_CHART_REPEAT_V) != 0u);
+    return PageCorner(surface_of(pages, chart), mesh_place(mesh, mesh_chart_entry(mesh, widths, corner / 3u), vertex, repeats));
+}
+
+PageCorner corner_by_attribute(Pages pages, uvec2 mesh, uint widths, uint corner, uint vertex) {
+    vec4 frame = uintBitsToFloat(layer_words4(layer_reference(constants.tile.shared_charts), corner));
+    if (frame.z == 0.0) return PageCorner(flat_surface(uint(frame.x)), vec2(0.0));
+    uint page = uint(frame.x) / uint(COORDINATE_PAGE_STEP);
+    vec2 place = mesh_place(mesh, mesh_chart_entry(mesh, widths, corner / 3u), vertex, greaterThan(frame.zw, vec2(0.0)));
+    frame.x -= float(page * uint(COORDINATE_PAGE_STEP));
+    return PageCorner(page_surface(pages, page, frame), place);
+}
+
+PageCorner corner_by_packed(Pages pages, uint corner) {
+    uvec2 layer = layer_reference(constants.tile.shared_charts);
+    uint triangle = corner / 3u;
+    uint first = triangle * uint(COORDINATE_TRIANGLE_WORDS);
+    uint word = first + 1u + 2u * (corner - 3u * triangle);
+    PagedChart chart = PagedChart(layer_word(layer, first), layer_word(layer, word), layer_word(layer, word + 1u));
+    return PageCorner(surface_of(pages, chart), wrap_place(uvec2(chart.u, chart.v)));
+}
+
+// Precondition: has_atlas(), and it is in pages.
+PageCorner page_corner(uvec2 mesh, uint widths, uint corner, uint vertex) {
+    Pages pages = pages_of(layer_reference(constants.tile.atlas));
+    if (kTransport == CHART_TRANSPORT_UNIFORM) return corner_by_uniform(pages, mesh, widths, corner, vertex);
+    if (kTransport == CHART_TRANSPORT_ATTRIBUTE) return corner_by_attribute(pages, mesh, widths, corner, vertex);
+    if (kTransport == CHART_TRANSPORT_PACKED) return corner_by_packed(pages, corner);
+    return corner_by_table(pages, mesh, widths, corner, vertex);
+}
+
+#endif

@@ -1,0 +1,45 @@
+#include "client/report/variants.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace citystream::client {
+namespace {
+
+VariantOptions made_by(const std::string& builder) {
+    const auto folder = std::filesystem::temp_directory_path() / "citystream-variants-test";
+    return {builder, {"generate", "--buildings", "10"}, folder.string(), {}};
+}
+
+TEST(Variants, TheBuilderIsCalledWithTheCityThenTheSettingThenTheOutput) {
+    const VariantOptions options = made_by("builder");
+    EXPECT_EQ(build_command(options, {"saliency", 0, "ssim:0.99", {}}, "a.3tz"),
+              (std::vector<std::string>{"builder", "generate", "--buildings", "10", "--saliency", "ssim:0.99", "-o",
+                                        "a.3tz"}));
+    EXPECT_EQ(build_command(options, {"rate-distortion", 16, {}, {}}, "b.3tz")[5], "16");
+}
+
+TEST(Variants, OnlySettingsThatAreBuiltGetAPlaceAndEachItsOwn) {
+    std::vector<Setting> settings = {{"tolerance", 1, {}, {}},
+                                     {"saliency", 0, "none", {}},
+                                     {"saliency", 0, "rmse:0.05", {}},
+                                     {"rate-distortion", 0, {}, {}}};
+    ASSERT_TRUE(build_variants(made_by("true"), settings));
+    EXPECT_TRUE(settings[0].place.empty());
+    EXPECT_NE(settings[1].place, settings[2].place);
+    for (size_t i = 1; i < settings.size(); ++i) EXPECT_TRUE(settings[i].place.ends_with(".3tz")) << i;
+}
+
+TEST(Variants, ABuilderThatFailsOrIsNotThereIsAnErrorThatSaysWhatWasTried) {
+    std::vector<Setting> settings = {{"saliency", 0, "none", {}}};
+    const Status failed = build_variants(made_by("false"), settings);
+    ASSERT_FALSE(failed);
+    EXPECT_NE(failed.error().text().find("--saliency none"), std::string::npos);
+    EXPECT_FALSE(build_variants(made_by("/nowhere/citystream-build"), settings));
+    std::vector<Setting> others = {{"tolerance", 1, {}, {}}};
+    EXPECT_TRUE(build_variants(made_by("false"), others)) << "nothing is to be built";
+}
+
+}  // namespace
+}  // namespace citystream::client
