@@ -7,11 +7,10 @@
 
 #include "client/cache/directory_cache.h"
 #include "client/cache/layer_cache.h"
-#include "client/select/mip_clamp.h"
 #include "client/select/selection.h"
 #include "client/stream/chart_residency.h"
-#include "client/stream/cover.h"
 #include "client/stream/dictionary_pieces.h"
+#include "client/stream/draw_list.h"
 #include "client/stream/occlusion.h"
 #include "client/stream/request_cost.h"
 #include "client/stream/request_plan.h"
@@ -70,7 +69,8 @@ class Streamer final : public CityStreamer {
           charts_(knowledge_, cache_, host_, warnings_, counters_, options.decode),
           residency_(directory_, knowledge_, cache_, host_, maps_, charts_, warnings_, counters_, options.decode),
           occlusion_(directory_, knowledge_, cache_, host_, residency_, selector_),
-          setbacks_(directory_, knowledge_, cache_, warnings_) {
+          setbacks_(directory_, knowledge_, cache_, warnings_),
+          draw_list_(directory_, knowledge_, residency_, selector_, options_) {
         host_.budget = options.host_budget_bytes;
         host_.fixed = sizeof(*this);
     }
@@ -121,11 +121,7 @@ class Streamer final : public CityStreamer {
     uint64_t dictionary_changes() const { return knowledge_.dictionary.changes() + knowledge_.charts.changes(); }
     bool stopped() const { return options_.stop != nullptr && options_.stop->load(); }
 
-    void make_draws();
-    void add_draw(NodeIndex node);
-    void clamp_mips(NodeIndex node, TileDraw& draw);
-    double drawn_error(NodeIndex node, const TileDraw& draw) const;
-    double relief_error_pixels(std::span<const PlacementLevel> levels, const TileDraw& draw) const;
+    const std::vector<TileDraw>& make_draws();
     bool is_selected(NodeIndex node) const { return node < marks_.size() && marks_[node].selected == serial_; }
     bool is_refined(NodeIndex node) const { return node < marks_.size() && marks_[node].refined == serial_; }
     const SelectedTile* wanted_tile(NodeIndex node) const {
@@ -168,7 +164,7 @@ class Streamer final : public CityStreamer {
     std::map<uint64_t, InFlight> in_flight_;
     uint64_t next_id_ = 1;
     bool facade_index_requested_ = false, chart_index_requested_ = false;
-    std::vector<TileDraw> draws_;
+    DrawList draw_list_;
     StreamerFrame* frame_ = nullptr;
 };
 
@@ -197,7 +193,7 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
     } else {
         advance_realtime(camera);
     }
-    make_draws();
+    const std::vector<TileDraw>& draws = make_draws();
     const ResidencyCounters counters = std::exchange(counters_, {});
     frame.decoded_bytes = counters.decoded_bytes;
     frame.decode_ms = counters.decode_ms;
@@ -212,7 +208,7 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
     frame.host_bytes_held = host_.peak_held;
     frame.host_bytes_reserved = host_.peak_in_flight;
     frame.warnings = warnings_.take();
-    return draws_;
+    return draws;
 }
 
 /// A choice may turn out to be larger than the budgets once all of the view is known; then it is coarser, and what
@@ -644,75 +640,12 @@ void Streamer::abandon_requests() {
     for (const auto& [id, under_way] : in_flight_) fetcher_.cancel(id);
 }
 
-void Streamer::make_draws() {
-    draws_.clear();
-    const CoverQuestions ask = {[&](NodeIndex node) { return is_selected(node); },
-                                [&](NodeIndex node) { return is_refined(node); },
-                                [&](NodeIndex node) { return selector_.visible(node); },
-                                [&](NodeIndex node) { return residency_.drawable(node); }};
-    const std::vector<NodeIndex> cover = cover_view(directory_, ask);
-    uint64_t as_chosen = 0;
-    for (const NodeIndex node : cover) {
-        if (is_selected(node)) ++as_chosen;
-        if (residency_.has_mesh(node)) add_draw(node);
-    }
-    frame_->tiles_drawn = draws_.size();
-    frame_->tiles_wanted = selection_.tiles.size();
-    frame_->tiles_hidden = selection_.hidden;
-    frame_->tiles_missing = selection_.tiles.size() - as_chosen;
-    frame_->tolerance_used = selection_.tolerance;
-}
-
-/// Waiting mode draws exactly the chosen prefixes and levels, so that a frame depends on its camera alone; realtime
-/// mode draws all steps that are resident.
-void Streamer::add_draw(NodeIndex node) {
-    const SelectedTile* tile = is_selected(node) ? wanted_tile(node) : nullptr;
-    const double pixels_per_metre = selector_.pixels_per_metre(node);
-    draws_.push_back(residency_.draw(node, options_.wait_for_selection ? tile : nullptr));
-    TileDraw& draw = draws_.back();
-    clamp_mips(node, draw);
-    std::vector<PlacementLevel> levels;
-    if (tile == nullptr || tile->has_relief()) levels = selector_.placement_levels_of(node, selection_.tolerance);
-    const bool has_facades = !directory_.node(node).record->steps(Layer::kFacade).empty();
-    const bool relief = !levels.empty() && residency_.add_relief(node, levels, draw);
-    if (has_facades) ++(relief ? frame_->relief_tiles : frame_->flat_tiles);
-    const double error = std::max(drawn_error(node, draw) * pixels_per_metre, relief_error_pixels(levels, draw));
-    frame_->achieved_error_pixels = std::max(frame_->achieved_error_pixels, error);
-}
-
-void Streamer::clamp_mips(NodeIndex node, TileDraw& draw) {
-    const double pixels = selection_.texel_tolerance;
-    if (!options_.continuous_mips || !(pixels > 1)) return;
-    const auto& steps = directory_.node(node).record->steps(Layer::kAtlas);
-    if (draw.atlas != kNoLayer) draw.atlas_least_mip = clamped_mip(steps, pixels / selector_.pixels_per_metre(node));
-    const auto& uses = knowledge_.tiles[node].charts;
-    for (size_t i = 0; i < draw.shared_charts.size(); ++i) {
-        const double per_metre = selector_.chart_pixels_per_metre(node, uses[i].chart_in_tile);
-        if (per_metre > 0)
-            draw.shared_charts[i].least_mip = clamped_mip(double{uses[i].metres_per_texel}, pixels / per_metre);
-    }
-}
-
-/// Metres: of the tile itself, of steps that were left away, and of relief drawn flat.
-double Streamer::drawn_error(NodeIndex node, const TileDraw& draw) const {
-    const auto& record = *directory_.node(node).record;
-    double error = record.geometric_error;
-    const auto& mesh = record.steps(Layer::kMesh);
-    const size_t drawn = draw.mesh_step_words.size();
-    if (drawn > 0 && drawn < mesh.size()) error = std::max<double>(error, mesh[drawn - 1].error);
-    if (draw.facade == kNoLayer) error = std::max<double>(error, record.flat_facade_error);
-    return error;
-}
-
-/// Of relief drawn with coarser maps, which leave out nothing that is larger than their texels.
-double Streamer::relief_error_pixels(std::span<const PlacementLevel> levels, const TileDraw& draw) const {
-    double error = 0;
-    for (size_t i = 0; i < draw.map_of_placement.size(); ++i) {
-        const FacadeMapBinding& map = draw.facade_maps[draw.map_of_placement[i]];
-        const double metres = knowledge_.dictionary.texel_error(map_piece(map.map, map.level));
-        error = std::max(error, metres * levels[i].pixels_per_metre);
-    }
-    return error;
+/// What is drawn of what was chosen.
+const std::vector<TileDraw>& Streamer::make_draws() {
+    const SelectionView view = {[this](NodeIndex node) { return is_selected(node); },
+                                [this](NodeIndex node) { return is_refined(node); },
+                                [this](NodeIndex node) { return wanted_tile(node); }};
+    return draw_list_.make(selection_, view, *frame_);
 }
 
 }  // namespace

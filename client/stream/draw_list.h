@@ -1,0 +1,46 @@
+// What is drawn of a selection: the tiles that cover the view with what is resident, each with the mips, maps and steps
+// that it may show, and the error that is seen.
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "client/cache/directory_cache.h"
+#include "client/select/selection.h"
+#include "client/stream/city_streamer.h"
+#include "client/stream/tile_residency.h"
+
+namespace citystream::client {
+
+/// What the list asks about the current selection.
+struct SelectionView {
+    std::function<bool(NodeIndex)> selected, refined;
+    std::function<const SelectedTile*(NodeIndex)> wanted;  ///< nothing: neither selected nor a stand-in
+};
+
+class DrawList {
+  public:
+    /// All must outlive it.
+    DrawList(const DirectoryCache& directory, const CityKnowledge& knowledge, TileResidency& residency,
+             Selector& selector, const StreamerOptions& options)
+        : directory_(directory), knowledge_(knowledge), residency_(residency), selector_(selector), options_(options) {}
+
+    /// Draws of the view that was chosen last; fills the frame's counts of tiles and errors. Valid until the next call.
+    const std::vector<TileDraw>& make(const Selection& selection, const SelectionView& view, StreamerFrame& frame);
+
+  private:
+    void add(NodeIndex node, const Selection& selection, const SelectedTile* tile, StreamerFrame& frame);
+    void clamp_mips(NodeIndex node, double pixels, TileDraw& draw) const;
+    double error_metres(NodeIndex node, const TileDraw& draw) const;
+    double relief_error_pixels(std::span<const PlacementLevel> levels, const TileDraw& draw) const;
+
+    const DirectoryCache& directory_;
+    const CityKnowledge& knowledge_;
+    TileResidency& residency_;
+    Selector& selector_;
+    const StreamerOptions& options_;
+    std::vector<TileDraw> draws_;
+};
+
+}  // namespace citystream::client
