@@ -45,6 +45,7 @@ struct FlyOptions {
         chart_transport{chart_transport_name(ChartTransport::kTable)};
     double tolerance = 1, fps = 10;
     std::optional<double> relief_tolerance, texel_tolerance;
+    std::string facade_tint = "0";
     uint32_t supersample = 1, facade_samples = kFacadeSamples;
     bool list_devices = false, validation = false, json = false;
     // Parsed:
@@ -54,6 +55,7 @@ struct FlyOptions {
     FacadeRenderer renderer = FacadeRenderer::kPatch;
     ChartTransport transport = ChartTransport::kTable;
     ReliefOptions relief;
+    codec::atlas::FacadeTint tint;
 };
 
 std::vector<std::string> facade_renderer_names() {
@@ -102,6 +104,9 @@ Status parse_values(FlyOptions& options) {
     const auto renderer = facade_renderer_named(options.facade_renderer);
     if (!renderer) return Error{"--facade-renderer: there is no " + options.facade_renderer};
     options.renderer = *renderer;
+    const auto tint = codec::atlas::parse_facade_tint(options.facade_tint);
+    if (!tint) return Error{"--facade-tint: " + tint.error().text()};
+    options.tint = *tint;
     const auto transport = chart_transport_named(options.chart_transport);
     if (!transport) return Error{"--chart-transport: there is no " + options.chart_transport};
     options.transport = *transport;
@@ -283,6 +288,7 @@ FlightDescription describe(const FlyOptions& options, const std::string& device)
     description.facade_renderer = options.facade_renderer;
     description.facade_samples = options.facade_samples;
     description.chart_transport = options.chart_transport;
+    description.facade_tint = options.facade_tint;
     description.occlusion = options.occlusion == "on" && options.mode == "offline";
     description.frames_per_second = options.fps;
     description.gpu_budget_bytes = options.gpu_bytes;
@@ -319,6 +325,7 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
     renderer_options.facade_renderer = options.renderer;
     renderer_options.facade_samples = options.facade_samples;
     renderer_options.chart_transport = options.transport;
+    renderer_options.facade_tint = options.tint;
     auto renderer = VulkanRenderer::create(renderer_options);
     if (!renderer) return fail(renderer.error().text());
 
@@ -386,6 +393,7 @@ int fly_reference(const FlyOptions& options, const CameraPath& path) {
     reference_options.width = options.width;
     reference_options.height = options.height;
     reference_options.supersample = options.supersample;
+    reference_options.facade_tint = options.tint;
     auto renderer = ReferenceRenderer::create(options.reference, reference_options);
     if (!renderer) return fail(renderer.error().text());
     auto output = open_output(options);
@@ -455,6 +463,10 @@ void add_options(CLI::App& app, FlyOptions& options) {
                    "frames, other memory and time")
         ->capture_default_str()
         ->check(CLI::IsMember(chart_transport_names()));
+    app.add_option("--facade-tint", options.facade_tint,
+                   "STRENGTH[,METRES]: multiplies walls by a colour that changes over the city, 0 to 1, the next one "
+                   "every METRES (40); the reference renderer does the same")
+        ->capture_default_str();
     app.add_option("--occlusion", options.occlusion,
                    "on: what near surfaces hide is neither fetched nor drawn (offline mode)")
         ->capture_default_str()

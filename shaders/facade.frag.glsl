@@ -19,6 +19,7 @@
 #include "shaders/facade_cast.glsl"
 #include "shaders/facade_edge.glsl"
 #include "shaders/facade_samples.glsl"
+#include "shaders/facade_tint.glsl"
 #include "shaders/lighting.glsl"
 #include "shaders/page_chart.glsl"
 #include "shaders/tile_chart.glsl"
@@ -33,6 +34,7 @@ layout(location = 6) flat in uint palette;
 layout(location = 7) flat in vec3 right;
 layout(location = 8) flat in vec3 down;
 layout(location = 9) flat in vec2 finest;
+layout(location = 10) flat in vec3 tint;
 
 #ifdef FACADE_KEYED
 layout(early_fragment_tests) in;
@@ -88,7 +90,9 @@ vec3 shade(FacadeMap map, FacadeHit hit, vec3 start, vec3 ray, vec3 change_x, ve
         vec2 on_wall = clamp((start + hit.t * ray).xy, vec2(0.0), vec2(map_width(map), map_height(map)));
         texel = hit_texel(hit.label >> 16, on_wall, hit_gradient(ray, change_x, hit.axis, t).xy, hit_gradient(ray, change_y, hit.axis, t).xy);
     }
-    return lit(texel, hit_normal(hit)).rgb;
+    vec3 normal = hit_normal(hit);
+    vec3 at = start + hit.t * ray;
+    return lit(tinted(texel, normal, tint.x + tint.y * at.x + tint.z * at.z), normal).rgb;
 }
 
 void main() {

@@ -12,6 +12,7 @@
 #include "shaders/facade_cast.glsl"
 #include "shaders/facade_edge.glsl"
 #include "shaders/facade_placement.glsl"
+#include "shaders/facade_tint.glsl"
 
 layout(location = 0) out vec3 place;                 // facade space
 layout(location = 1) flat out vec3 camera;           // facade space
@@ -23,6 +24,7 @@ layout(location = 6) flat out uint palette;          // word in the facade layer
 layout(location = 7) flat out vec3 right;            // facade space: from pixel to pixel at distance 1 along the view direction
 layout(location = 8) flat out vec3 down;
 layout(location = 9) flat out vec2 finest;           // texels: the map's finest runs
+layout(location = 10) flat out vec3 tint;            // place in the palette at the corner, and its change by a texel along u and a millimetre outwards
 
 void hide() {
     gl_Position = vec4(0.0, 0.0, -1.0, 1.0);
@@ -30,6 +32,7 @@ void hide() {
     along = vec2(0.0);
     palette = 0u;
     finest = vec2(0.0);
+    tint = vec3(0.0);
     map_layer = uvec2(0u);
     map_head = map_own = uvec4(0u);
 }
@@ -61,6 +64,11 @@ void main() {
     along = wall.along;
     palette = placement.palette;
     finest = placement.finest;
+    tint = vec3(0.0);
+    if (kFacadeTint > 0.0) {
+        vec2 change = vec2(wall.along.x + wall.along.y, wall.outwards.x + wall.outwards.y) * kTintsPerMetre;
+        tint = vec3(tint_place(wall.corner), change / wall.per_metre.xz);
+    }
     FacadeTableHead head = FacadeMapTable(layer_reference(constants.tile.facade_maps)).head;
     vec3 centre = unproject(vec2(0.0));
     right = wall_direction(wall, unproject(vec2(2.0 / float(head.width), 0.0)) - centre);

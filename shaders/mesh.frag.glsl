@@ -6,6 +6,7 @@
 
 #include "shaders/atlas_sample.glsl"
 #include "shaders/draw_constants.glsl"
+#include "shaders/facade_tint.glsl"
 #include "shaders/lighting.glsl"
 #include "shaders/page_chart.glsl"
 
@@ -13,6 +14,7 @@ layout(location = 0) in vec3 normal;
 layout(location = 1) in vec2 texcoord;
 layout(location = 2) flat in uvec3 chart_place;
 layout(location = 3) flat in uvec4 chart_words;
+layout(location = 4) in float tint;
 
 layout(location = 0) out vec4 colour;
 
@@ -31,5 +33,6 @@ void main() {
         }
         texel = sample_chart(chart, texcoord, dx, dy);
     }
-    colour = lit(texel, normalize(normal));
+    vec3 towards = normalize(normal);
+    colour = lit(tinted(texel, towards, tint), towards);
 }

@@ -4,6 +4,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 
+#include "shaders/facade_tint.glsl"
 #include "shaders/mesh_fetch.glsl"
 #include "shaders/page_corner.glsl"
 #include "shaders/tile_chart.glsl"
@@ -12,6 +13,7 @@ layout(location = 0) out vec3 normal;
 layout(location = 1) out vec2 texcoord;
 layout(location = 2) flat out uvec3 chart_place;  // of the triangle's chart: layer, finest mip; PageSurface.place
 layout(location = 3) flat out uvec4 chart_words;  // the rest of it
+layout(location = 4) out float tint;              // place in the palette
 
 void main() {
     uvec2 mesh = layer_reference(constants.tile.mesh);
@@ -21,7 +23,9 @@ void main() {
 
     ivec3 position = mesh_position(mesh, widths, constants.tile.mesh_steps, constants.tile.mesh_step_begin, vertex);
     ivec3 origin = tile_origin();
-    gl_Position = project(camera_relative_metres(origin + position));
+    vec3 metres = camera_relative_metres(origin + position);
+    gl_Position = project(metres);
+    tint = kFacadeTint > 0.0 ? tint_place(metres) : 0.0;
     normal = normalize(vec3(unfold_octahedral16(mesh_packed_normal(mesh, vertex))));
 
     texcoord = vec2(0.0);

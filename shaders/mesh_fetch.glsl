@@ -24,15 +24,15 @@ uvec3 mesh_planes(uvec2 mesh, uint base, uint vertex, uint bits) {
 }
 
 // Tile-relative grid units: the known high bits of all resident steps, less the halves that made the steps before the last round.
-ivec3 mesh_position(uvec2 mesh, uint widths, uint steps, uint step_begin[DRAW_MESH_STEPS], uint vertex) {
+ivec3 mesh_position(uvec2 mesh, uint widths, uint steps, uint step_begin[DRAW_MESH_STEPS - 1], uint vertex) {
     uvec3 known = mesh_planes(mesh, layer_word(mesh, MESH_WORD_POSITIONS), vertex, widths >> 16 & 255u);
     uint dropped = widths >> 24;
     uint rounding = 0u;
     for (uint s = 1u; s < steps; ++s) {
-        uint plane_widths = layer_word(mesh, step_begin[s] + MESH_PLANES_WORD_WIDTHS);
+        uint plane_widths = layer_word(mesh, step_begin[s - 1u] + MESH_PLANES_WORD_WIDTHS);
         uint bits = plane_widths & 255u;
         rounding += 1u << (dropped - 1u);
-        known = known << bits | mesh_planes(mesh, step_begin[s] + MESH_PLANES_HEADER_WORDS, vertex, bits);
+        known = known << bits | mesh_planes(mesh, step_begin[s - 1u] + MESH_PLANES_HEADER_WORDS, vertex, bits);
         dropped = plane_widths >> 8;
     }
     uvec3 origin = uvec3(layer_word(mesh, MESH_WORD_ORIGIN_X), layer_word(mesh, MESH_WORD_ORIGIN_Y),

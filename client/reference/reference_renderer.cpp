@@ -14,6 +14,7 @@
 #include "client/reference/gles_context.h"
 #include "client/render/lighting_layout.h"
 #include "codec/atlas/alpha_mask.h"
+#include "codec/atlas/tint_layout.h"
 
 namespace citystream::client {
 namespace {
@@ -22,6 +23,8 @@ namespace {
 const void* buffer_offset(size_t bytes) {
     return reinterpret_cast<const void*>(bytes);  // NOLINT(performance-no-int-to-ptr)
 }
+
+static_assert(TINT_COLOURS == 24, "as the shader below says");
 
 constexpr const char* kVertexShader = R"(#version 300 es
 layout(location = 0) in vec3 position;
@@ -34,11 +37,15 @@ layout(location = 6) in vec3 column3;
 uniform mat4 clip_from_view;
 uniform mat3 view_from_world;
 uniform vec4 texcoord_transform;
+uniform vec2 tint_field;
 out vec3 world_normal;
 out vec2 uv;
+out float tint_place;
 void main() {
     mat3 rotation = mat3(column0, column1, column2);
-    vec3 view = view_from_world * (rotation * position + column3);
+    vec3 from_eye = rotation * position + column3;
+    vec3 view = view_from_world * from_eye;
+    tint_place = tint_field.x + (from_eye.x + from_eye.y) * tint_field.y;
     world_normal = inverse(transpose(rotation)) * normal;
     uv = texcoord * texcoord_transform.xy + texcoord_transform.zw;
     gl_Position = clip_from_view * vec4(view, 1.0);
@@ -47,8 +54,12 @@ void main() {
 
 constexpr const char* kFragmentShader = R"(#version 300 es
 precision highp float;
+#define TINTS 24
 in vec3 world_normal;
 in vec2 uv;
+in float tint_place;
+uniform vec3 tints[TINTS];
+uniform float tint_strength;
 uniform sampler2D image;
 uniform vec3 colour;
 uniform float alpha_cutoff;
@@ -59,7 +70,14 @@ void main() {
     vec4 sampled = texture(image, uv);
     if (sampled.a < alpha_cutoff) discard;
     vec3 texel = sampled.rgb * colour;
-    float lambert = max(0.0, dot(normalize(world_normal), sun));
+    vec3 normal = normalize(world_normal);
+    if (tint_strength > 0.0 && abs(normal.z) <= 0.5) {
+        float in_palette = mod(tint_place, float(TINTS));
+        int first = min(int(in_palette), TINTS - 1);
+        vec3 tint = mix(tints[first], tints[(first + 1) % TINTS], in_palette - float(first));
+        texel *= mix(vec3(1.0), tint, tint_strength);
+    }
+    float lambert = max(0.0, dot(normal, sun));
     result = vec4(min(texel * (light.x + light.y * lambert), vec3(1.0)), 1.0);
 }
 )";
@@ -105,6 +123,7 @@ class GlesReferenceRenderer final : public ReferenceRenderer {
     void upload_geometries();
     void upload_textures();
     void set_camera(const Camera& camera);
+    void set_tint(const Camera& camera);
     void draw_mesh(const GlbDraw& draw, const std::array<double, 3>& eye, const Frustum& frustum);
     void bind_material(const GlbMaterial& material);
     FrameImage read_back() const;
@@ -309,6 +328,17 @@ void GlesReferenceRenderer::set_camera(const Camera& camera) {
     glUniform2f(glGetUniformLocation(program_, "light"), static_cast<float>(LIGHT_AMBIENT),
                 static_cast<float>(LIGHT_SUN));
     glUniform1i(glGetUniformLocation(program_, "image"), 0);
+    set_tint(camera);
+}
+
+void GlesReferenceRenderer::set_tint(const Camera& camera) {
+    const codec::atlas::FacadeTint& tint = options_.facade_tint;
+    const std::span<const codec::atlas::Tint> palette = codec::atlas::tint_palette();
+    glUniform1f(glGetUniformLocation(program_, "tint_strength"), static_cast<float>(tint.strength));
+    glUniform2f(glGetUniformLocation(program_, "tint_field"),
+                static_cast<float>(codec::atlas::tint_place(camera.position, tint)),
+                static_cast<float>(1 / tint.step_metres));
+    glUniform3fv(glGetUniformLocation(program_, "tints"), static_cast<GLsizei>(palette.size()), palette[0].data());
 }
 
 void GlesReferenceRenderer::bind_material(const GlbMaterial& material) {

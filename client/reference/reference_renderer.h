@@ -1,5 +1,6 @@
 // The reference renderer: the uncompressed city (a .glb made by citystream-build --reference) as plain triangles with
-// EGL + OpenGL ES 3. It shares nothing with the Vulkan path but the camera and the lighting constants.
+// EGL + OpenGL ES 3. It shares nothing with the Vulkan path but the camera, the lighting constants
+// and the palette of tints.
 #pragma once
 
 #include <memory>
@@ -7,6 +8,7 @@
 
 #include "client/render/frame.h"
 #include "client/select/camera.h"
+#include "codec/atlas/facade_tint.h"
 #include "codec/result.h"
 
 namespace citystream::client {
@@ -15,6 +17,7 @@ struct ReferenceOptions {
     uint32_t width = 1280, height = 720;
     uint32_t supersample = 1;
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h
+    codec::atlas::FacadeTint facade_tint = {};        ///< of walls; none by default
 };
 
 class ReferenceRenderer {

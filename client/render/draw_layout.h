@@ -26,6 +26,9 @@ using uint = uint32_t;
 #define CHART_TRANSPORT_PACKED 3
 /* (bool): charts of the tile may have alpha; where it is filtered to less than one half, triangles are not drawn. */
 #define ALPHA_TEST_CONSTANT 3
+/* (float): how much walls are tinted, 0..1, and how fast tints change (shaders/facade_tint.glsl). */
+#define FACADE_TINT_CONSTANT 4
+#define TINTS_PER_METRE_CONSTANT 5
 #define DRAW_MESH_STEPS 4
 
 /* Of a frame. Directions are the camera's axes, scaled so that clip.xyw = row * p and clip.z = near_plane (reversed z,
@@ -36,6 +39,7 @@ struct FrameConstants {
     float clip_w[3];
     float camera_fraction[3]; /* metres: from the camera's grid cell to the camera, 0..2^-10 */
     float near_plane;
+    float tint; /* where in the palette of tint_layout.h the camera is */
 };
 
 /* Of a tile. References are 0 for layers that are not there. Positions relative to the camera are exact integers up to
@@ -48,7 +52,7 @@ struct TileConstants {
     int origin[3];          /* grid units from the camera's grid cell to the tile's origin */
     float atlas_finest_mip; /* that may be shown: at least the finest resident one, whatever the form of the atlas */
     uint mesh_steps;
-    uint mesh_step_begin[DRAW_MESH_STEPS]; /* words */
+    uint mesh_step_begin[DRAW_MESH_STEPS - 1]; /* words; of the steps behind the first */
     /* Address of one SharedChartEntry for each chart of the tile; 0: it names no shared ones. Where the atlas is in
        pages, which name none: reference of the coordinate layer (CHART_TRANSPORT_ATTRIBUTE and _PACKED), or the chart
        of the draw (_UNIFORM): its packed coordinates, in their places' bits its page and flags; of a flat chart its
@@ -104,7 +108,7 @@ struct FilterConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(FrameConstants) == 52 && sizeof(TileConstants) == 76);
+static_assert(sizeof(FrameConstants) == 56 && sizeof(TileConstants) == 72);
 static_assert(sizeof(FacadeTableHead) == 32 && sizeof(FacadeMapEntry) == 24 && sizeof(DrawConstants) == 128 &&
               sizeof(FilterConstants) == 32 && sizeof(SharedChartEntry) == 16);
 }  // namespace citystream::client

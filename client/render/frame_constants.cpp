@@ -34,7 +34,8 @@ CameraCell camera_cell(const std::array<double, 3>& position) {
     return result;
 }
 
-FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell) {
+FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell,
+                                    const codec::atlas::FacadeTint& tint) {
     const double focal = 1.0 / std::tan(camera.fov_y / 2);
     const double aspect = static_cast<double>(camera.width) / static_cast<double>(camera.height);
     FrameConstants constants{};
@@ -43,6 +44,7 @@ FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell
     scale_row(camera.forward, 1.0, constants.clip_w);
     for (size_t i = 0; i < 3; ++i) constants.camera_fraction[i] = cell.fraction[i];
     constants.near_plane = static_cast<float>(camera.near_plane);
+    if (tint.strength > 0) constants.tint = static_cast<float>(codec::atlas::tint_place(camera.position, tint));
     return constants;
 }
 
@@ -145,7 +147,7 @@ Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCe
     constants.mesh_steps = static_cast<uint32_t>(tile.mesh_step_words.size());
     uint32_t begin = 0;
     for (size_t i = 0; i < tile.mesh_step_words.size(); ++i) {
-        constants.mesh_step_begin[i] = begin;
+        if (i > 0) constants.mesh_step_begin[i - 1] = begin;
         begin += tile.mesh_step_words[i];
     }
     return constants;

@@ -12,6 +12,7 @@
 #include "client/render/frame.h"
 #include "client/render/slot_pool.h"
 #include "client/select/camera.h"
+#include "codec/atlas/facade_tint.h"
 
 namespace citystream::client {
 
@@ -24,7 +25,8 @@ struct CameraCell {
 };
 CameraCell camera_cell(const std::array<double, 3>& position);
 
-FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell);
+FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell,
+                                    const codec::atlas::FacadeTint& tint = {});
 
 /// Makes the constants of tiles and, as words to be copied to device address `base`, the tables they refer to.
 class FrameTables {

@@ -38,17 +38,23 @@ struct ShaderConstants {
     VkBool32 direct_layers, pages;
     uint32_t transport;
     VkBool32 alpha_test;
+    float facade_tint, tints_per_metre;
 };
-constexpr std::array<VkSpecializationMapEntry, 4> kConstantEntries = {
+constexpr std::array<VkSpecializationMapEntry, 6> kConstantEntries = {
     {{DIRECT_LAYERS_CONSTANT, offsetof(ShaderConstants, direct_layers), sizeof(VkBool32)},
      {PAGES_CONSTANT, offsetof(ShaderConstants, pages), sizeof(VkBool32)},
      {CHART_TRANSPORT_CONSTANT, offsetof(ShaderConstants, transport), sizeof(uint32_t)},
-     {ALPHA_TEST_CONSTANT, offsetof(ShaderConstants, alpha_test), sizeof(VkBool32)}}};
+     {ALPHA_TEST_CONSTANT, offsetof(ShaderConstants, alpha_test), sizeof(VkBool32)},
+     {FACADE_TINT_CONSTANT, offsetof(ShaderConstants, facade_tint), sizeof(float)},
+     {TINTS_PER_METRE_CONSTANT, offsetof(ShaderConstants, tints_per_metre), sizeof(float)}}};
 
 ShaderConstants constants_of(const PassVariant& variant) {
     return {variant.reading == LayerReading::kDirect ? VK_TRUE : VK_FALSE,
             variant.form == codec::atlas::AtlasForm::kPages ? VK_TRUE : VK_FALSE,
-            static_cast<uint32_t>(variant.transport), variant.alpha_test ? VK_TRUE : VK_FALSE};
+            static_cast<uint32_t>(variant.transport),
+            variant.alpha_test ? VK_TRUE : VK_FALSE,
+            static_cast<float>(variant.tint.strength),
+            static_cast<float>(1 / variant.tint.step_metres)};
 }
 
 VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module,

@@ -8,6 +8,7 @@
 #include "client/render/chart_transport.h"
 #include "client/render/frame_target.h"
 #include "codec/atlas/atlas_form.h"
+#include "codec/atlas/facade_tint.h"
 
 namespace citystream::client {
 
@@ -26,6 +27,7 @@ struct PassVariant {
     codec::atlas::AtlasForm form = codec::atlas::AtlasForm::kCharts;
     ChartTransport transport = ChartTransport::kTable;  ///< of the mesh pass where the form is kPages
     bool alpha_test = false;                            ///< of the mesh pass
+    codec::atlas::FacadeTint tint = {};
     auto operator<=>(const PassVariant&) const = default;
 };
 

@@ -22,12 +22,11 @@ struct TwinConstants {
     uint count;  /* corners, texels or rays */
     uint first;  /* mesh: resident steps; atlas: chart */
     uint second; /* atlas: mip */
-    uint reserved;
-    uint mesh_step_begin[DRAW_MESH_STEPS];
+    uint mesh_step_begin[DRAW_MESH_STEPS - 1];
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TwinConstants) == 56);
+static_assert(sizeof(TwinConstants) == 48);
 }  // namespace citystream::client
 #endif
 

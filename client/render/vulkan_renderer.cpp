@@ -107,8 +107,8 @@ class Renderer final : public VulkanRenderer {
         PassVariant mesh;
         const std::vector<ChartRun>* runs;  ///< one draw each; null: one for all triangles
 
-        PassVariant facade() const { return {mesh.reading, mesh.form, {}, false}; }
-        PassVariant occluder() const { return {mesh.reading, {}, {}, false}; }
+        PassVariant facade() const { return {mesh.reading, mesh.form, {}, false, mesh.tint}; }
+        PassVariant occluder() const { return {mesh.reading, {}, {}, false, {}}; }
     };
     /// Made when the first tile needs them.
     using Passes = std::map<PassVariant, Pass>;
@@ -357,6 +357,7 @@ Result<Renderer::DrawnTile> Renderer::add_to_tables(FrameTables& tables, const T
     }
     drawn.mesh.reading = tables.is_direct() ? LayerReading::kDirect : LayerReading::kPaged;
     drawn.mesh.alpha_test = tile.alpha_test;
+    drawn.mesh.tint = options_.facade_tint;
     return drawn;
 }
 
@@ -368,7 +369,7 @@ Status Renderer::write_tables(const Camera& camera, std::span<const TileDraw> ti
     counts_.coordinate_bytes = coordinates_.pool().slots_used * kSlotBytes;
     ensure_tables(FrameTables::bound(pool_, coordinates_.pool(), tiles));
     const CameraCell cell = camera_cell(camera.position);
-    frame_ = make_frame_constants(camera, cell);
+    frame_ = make_frame_constants(camera, cell, options_.facade_tint);
     FrameTables tables(pool_, tables_.address, map_facts_, facade_table_head());
     drawn_.clear();
     for (const size_t i : front_to_back(camera, tiles)) {

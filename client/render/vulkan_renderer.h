@@ -12,6 +12,7 @@
 #include "client/render/facade_renderer.h"
 #include "client/render/frame.h"
 #include "client/select/camera.h"
+#include "codec/atlas/facade_tint.h"
 #include "codec/result.h"
 
 namespace citystream::client {
@@ -29,7 +30,8 @@ struct RendererOptions {
     /// How charts in pages come to the vertex shader. Coordinates of kAttribute and kPacked take memory beside the
     /// budget, at most as much again (FrameCounts).
     ChartTransport chart_transport = ChartTransport::kTable;
-    bool validation = false;  ///< Khronos validation with synchronization validation; messages are counted
+    codec::atlas::FacadeTint facade_tint;  ///< of walls; none by default
+    bool validation = false;               ///< Khronos validation with synchronization validation; messages are counted
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h
 };
 

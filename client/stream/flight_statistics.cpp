@@ -115,6 +115,7 @@ Json description_json(const FlightDescription& d) {
             {"facade_renderer", d.facade_renderer},
             {"facade_samples", d.facade_samples},
             {"chart_transport", d.chart_transport},
+            {"facade_tint", d.facade_tint},
             {"occlusion", d.occlusion},
             {"gpu_budget_bytes", d.gpu_budget_bytes},
             {"host_budget_bytes", d.host_budget_bytes}};

@@ -23,7 +23,7 @@ struct FlightFrame {
 /// What was flown, and with what.
 struct FlightDescription {
     std::string place, path, mode, device, network;
-    std::string facade_renderer, map_level, chart_transport;  ///< as chosen by name
+    std::string facade_renderer, map_level, chart_transport, facade_tint;  ///< as chosen by name
     double relief_tolerance_pixels = 0, texel_tolerance_pixels = 0;
     uint32_t facade_samples = 1;
     bool occlusion = true;

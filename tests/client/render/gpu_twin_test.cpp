@@ -63,8 +63,10 @@ TEST_F(GpuTwin, MeshCornersAreTheSameWordsForEveryPrefix) {
             TwinConstants constants{};
             constants.count = 3 * triangles;
             constants.first = static_cast<uint32_t>(count);
+            uint32_t begin = 0;
             for (size_t s = 1; s < count; ++s) {
-                constants.mesh_step_begin[s] = constants.mesh_step_begin[s - 1] + sizes[s - 1];
+                begin += sizes[s - 1];
+                constants.mesh_step_begin[s - 1] = begin;
             }
             const LayerId layer = upload_words(words, triangles != 77);
             expect_same_corners(*view, run(k_twin_mesh_comp, layer, constants, TWIN_MESH_WORDS));
@@ -91,9 +93,10 @@ TEST_F(GpuTwin, EveryPackedNormalUnfoldsToTheSameIntegers) {
     TwinConstants constants{};
     constants.count = static_cast<uint32_t>(tile.indices.size());
     constants.first = static_cast<uint32_t>(steps.size());
+    uint32_t begin = 0;
     for (size_t s = 1; s < steps.size(); ++s) {
-        constants.mesh_step_begin[s] =
-            constants.mesh_step_begin[s - 1] + static_cast<uint32_t>(steps[s - 1].words.size());
+        begin += static_cast<uint32_t>(steps[s - 1].words.size());
+        constants.mesh_step_begin[s - 1] = begin;
     }
     expect_same_corners(*view, run(k_twin_mesh_comp, upload_words(words, true), constants, TWIN_MESH_WORDS));
 }

@@ -164,7 +164,9 @@ TEST(AlphaChart, IsSharedLikeAnyOther) {
             const auto view = shared_chart_view(prefix, width, height, kFlags, step + 1);
             ASSERT_TRUE(view.ok()) << view.error().text();
             EXPECT_TRUE(view->has_alpha(0));
-            EXPECT_FALSE(shared_chart_view(prefix, width, height, ATLAS_CHART_REPEAT_U, step + 1).ok());
+            if (step < atlas_step_count(width, height, ATLAS_CHART_REPEAT_U)) {
+                EXPECT_FALSE(shared_chart_view(prefix, width, height, ATLAS_CHART_REPEAT_U, step + 1).ok());
+            }
         }
     }
     EXPECT_GT(atlas_step_count(8192, 8192, kFlags), kMostChartLevels) << "such a chart is not shared";

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "codec/atlas/tint_layout.h"
 #include "tests/codec/atlas/rectangle_sets.h"
 
 namespace citystream::codec::atlas {
@@ -50,6 +51,39 @@ TEST(FacadeTint, ChangesEverywhereAsSlowlyWithTheSumAndFasterFarAwayWithTheProdu
         tint_parameter(TintField::kProduct, 10001, 10000, 100) - tint_parameter(TintField::kProduct, 10000, 10000, 100);
     EXPECT_GT(far_product, 100 * near_product);
     EXPECT_DOUBLE_EQ(tint_parameter(TintField::kProduct, -20, 30, 100), 6);
+}
+
+TEST(FacadeTint, OptionsAreParsed) {
+    EXPECT_EQ(parse_facade_tint("0")->strength, 0);
+    EXPECT_EQ(parse_facade_tint("0.3")->step_metres, 40);
+    EXPECT_EQ(parse_facade_tint("0.3,12.5")->step_metres, 12.5);
+    for (const char* bad : {"", ",", "x", "0.3,", "-0.1", "1.1", "0.3,0", "0.3,1e6", "0.3,nan", "0.3,5,5", "0.3 "})
+        EXPECT_FALSE(parse_facade_tint(bad)) << bad;
+}
+
+TEST(FacadeTint, PlacesStayInThePaletteAndGoOnAcrossItsEndsAnywhere) {
+    const FacadeTint tint{0.5, 40};
+    for (const double x : {-1e7, -960.0, -1e-9, 0.0, 1e-9, 959.999, 960.0, 5e5, 1e7}) {
+        for (const double y : {-2e6, 0.0, 5.3e6}) {
+            const double place = tint_place({x, y, 7}, tint);
+            EXPECT_GE(place, 0) << x << ' ' << y;
+            EXPECT_LT(place, TINT_COLOURS) << x << ' ' << y;
+            const double beside = tint_place({x + 0.4, y, -7}, tint);
+            EXPECT_NEAR(std::remainder(beside - place, TINT_COLOURS), 0.01, 1e-6) << x << ' ' << y;
+        }
+    }
+}
+
+TEST(FacadeTint, ColoursBesideEachOtherAreNear) {
+    const auto palette = tint_palette();
+    ASSERT_EQ(palette.size(), size_t{TINT_COLOURS});
+    for (size_t i = 0; i < palette.size(); ++i) {
+        for (size_t c = 0; c < 3; ++c) {
+            EXPECT_GE(palette[i][c], 0.4F);
+            EXPECT_LE(palette[i][c], 1.0F);
+            EXPECT_LT(std::abs(palette[i][c] - palette[(i + 1) % palette.size()][c]), 0.17F) << i;
+        }
+    }
 }
 
 }  // namespace
