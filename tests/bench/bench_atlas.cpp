@@ -13,6 +13,7 @@
 #include "codec/atlas/coverage.h"
 #include "codec/bits/zstd_frame.h"
 #include "tests/bench/bench_program.h"
+#include "tests/bench/metric_option.h"
 #include "tiles/city/generator.h"
 #include "tiles/layers/image_cache.h"
 
@@ -67,18 +68,6 @@ bool take_size(const std::string& text, Request& request) {
     return true;
 }
 
-bool take_metrics(const std::string& text, Request& request) {
-    request.metrics.clear();
-    for (size_t start = 0; start <= text.size();) {
-        const size_t comma = std::min(text.find(',', start), text.size());
-        const auto metric = parse_metric(std::string_view(text).substr(start, comma - start));
-        if (!metric) return false;
-        request.metrics.push_back(*metric);
-        start = comma + 1;
-    }
-    return true;
-}
-
 template <typename T>
 bool take(const std::optional<T>& parsed, T& value) {
     if (parsed) value = *parsed;
@@ -91,7 +80,7 @@ std::vector<BenchOption> options_of(Request& request) {
             {"--texel", "M, metres a texel of the view (0.05)",
              [&request](const std::string& text) { return take(parse_metres(text), request.texel); }},
             {"--metric", "metrics with tolerances, such as rmse:0.05,hvse:0.3,ssim:0.98,flip:0.05,none",
-             [&request](const std::string& text) { return take_metrics(text, request); }},
+             [&request](const std::string& text) { return take_metrics(text, request.metrics); }},
             {"--order", "width, height, both, alternate or best",
              [&request](const std::string& text) { return take(parse_search_order(text), request.search.order); }},
             {"--filter", "area, lanczos or bilinear (the thesis's, without prefilter)",
@@ -209,7 +198,7 @@ std::vector<Picture> generated_pictures(const BenchOptions& options) {
 
 int main(int argc, char** argv) {
     Request request;
-    take_metrics(kMetrics, request);
+    take_metrics(kMetrics, request.metrics);
     BenchProgram program({"bench_atlas", kClaim, "image.jpg", true, {}, options_of(request)});
     BenchOptions options;
     options.buildings = 30;

@@ -13,6 +13,7 @@
 #include "codec/atlas/chart_search.h"
 #include "codec/atlas/shared_chart.h"
 #include "tests/bench/bench_program.h"
+#include "tests/bench/metric_option.h"
 #include "tiles/city/generator.h"
 #include "tiles/layers/image_cache.h"
 
@@ -48,18 +49,6 @@ bool take_number(const std::string& text, Number least, Number most, Number& val
     return true;
 }
 
-bool take_metrics(const std::string& text, Request& request) {
-    request.metrics.clear();
-    for (size_t start = 0; start <= text.size();) {
-        const size_t comma = std::min(text.find(',', start), text.size());
-        const auto metric = parse_metric(std::string_view(text).substr(start, comma - start));
-        if (!metric) return false;
-        request.metrics.push_back(*metric);
-        start = comma + 1;
-    }
-    return true;
-}
-
 std::vector<BenchOption> options_of(Request& request) {
     return {{"--textures", "how many of the generated city's (24)",
              [&](const std::string& text) { return take_number(text, 1U, 100000U, request.textures); }},
@@ -68,7 +57,7 @@ std::vector<BenchOption> options_of(Request& request) {
             {"--scale", "of the sides after view matching (0.9)",
              [&](const std::string& text) { return take_number(text, 0.001, 1.0, request.scale); }},
             {"--metric", "metrics with tolerances (rmse:0.05,hvse:0.3,ssim:0.98,flip:0.05)",
-             [&](const std::string& text) { return take_metrics(text, request); }}};
+             [&](const std::string& text) { return take_metrics(text, request.metrics); }}};
 }
 
 double thread_seconds() {
@@ -275,7 +264,7 @@ std::vector<uint32_t> generated_images(const BenchOptions& options, uint32_t cou
 
 int main(int argc, char** argv) {
     Request request;
-    take_metrics("rmse:0.05,hvse:0.3,ssim:0.98,flip:0.05", request);
+    take_metrics("rmse:0.05,hvse:0.3,ssim:0.98,flip:0.05", request.metrics);
     BenchProgram program({"bench_build_textures", kClaim, "image.jpg", true, {}, options_of(request)});
     BenchOptions options;
     if (!program.read_arguments(argc, argv, options)) return program.exit_code();

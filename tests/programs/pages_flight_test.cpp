@@ -10,6 +10,7 @@
 
 #include "client/render/frame_file.h"
 #include "client/report/image_metrics.h"
+#include "tests/programs/flown_frames.h"
 #include "tests/programs/program_runner.h"
 #include "tiles/city/generator_layout.h"
 
@@ -65,39 +66,8 @@ const std::string& city(const std::string& form) {
     return archive;
 }
 
-struct Flown {
-    Json summary;
-    std::vector<client::FrameImage> frames;
-};
-
 Flown fly(const std::string& place, const std::string& size, const std::vector<std::string>& more = {}) {
-    const TemporaryFolder folder;
-    write_file(folder / "path.csv", path_to_street());
-    std::vector<std::string> command = {program("citystream-fly"),
-                                        place,
-                                        "--path",
-                                        folder / "path.csv",
-                                        "--fps",
-                                        "1",
-                                        "--size",
-                                        size,
-                                        "--frames",
-                                        folder / "frames",
-                                        "--stats",
-                                        folder / "s",
-                                        "--validation"};
-    command.insert(command.end(), more.begin(), more.end());
-    const Outcome outcome = run(command);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
-    Flown flown;
-    if (outcome.exit_code != 0) return flown;
-    if (std::filesystem::exists(folder / "s")) flown.summary = Json::parse(read_file(folder / "s"))["summary"];
-    for (int i = 0; i < 3; ++i) {
-        auto frame = client::read_png(folder / fmt::format("frames/frame_{:05}.png", i));
-        EXPECT_TRUE(frame);
-        if (frame) flown.frames.push_back(std::move(*frame));
-    }
-    return flown;
+    return fly_three_frames(place, path_to_street(), size, more);
 }
 
 TEST(PagesFlight, FramesAgreeWithTheReferenceAndWithThoseOfCharts) {

@@ -83,18 +83,7 @@ void expect_quad_like_cpu(bool repeat, int32_t repeats, size_t atlas_steps, cons
     const FrameImage gpu = draw_or_fail(*renderer, camera, std::span(&tile, 1));
 
     const PageSampler sampler{*pages, 1};
-    const auto uv_at = [&](double x, double y) -> std::array<double, 2> {
-        const Vec3 d = ray_through(camera, x, y);
-        const double t = -camera.position[2] / d[2];
-        return {(camera.position[0] + t * d[0]) / 16 * repeats, (camera.position[1] + t * d[1]) / 16 * repeats};
-    };
-    const FrameImage cpu = picture(camera, [&](double x, double y) {
-        const auto uv = uv_at(x, y);
-        const bool above = ray_through(camera, x, y)[2] >= 0;
-        if (above || uv[0] < 0 || uv[1] < 0 || uv[0] > repeats || uv[1] > repeats) return kSkyColour;
-        const auto px = uv_at(x + 0.5, y), mx = uv_at(x - 0.5, y), py = uv_at(x, y + 0.5), my = uv_at(x, y - 0.5);
-        return lit(sampler(uv, {px[0] - mx[0], px[1] - mx[1]}, {py[0] - my[0], py[1] - my[1]}), {0, 0, 1});
-    });
+    const FrameImage cpu = ground_quad_picture(camera, repeats, sampler);
     keep(gpu, name + "_gpu");
     keep(cpu, name + "_cpu");
     EXPECT_GT(psnr(gpu, cpu), 42.0) << name;

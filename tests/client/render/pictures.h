@@ -103,4 +103,22 @@ inline FrameImage picture(const Camera& camera, const std::function<Vec3(double,
 
 inline constexpr Vec3 kSkyColour = {SKY_R * 255, SKY_G * 255, SKY_B * 255};
 
+/// A ground quad of 16 x 16 m at z = 0 with its corner at the origin, that shows `repeats` of a chart a side;
+/// sampler(uv, change of uv by a pixel to the right, and down).
+template <typename Sampler>
+FrameImage ground_quad_picture(const Camera& camera, int32_t repeats, const Sampler& sampler) {
+    const auto uv_at = [&](double x, double y) -> std::array<double, 2> {
+        const Vec3 d = ray_through(camera, x, y);
+        const double t = -camera.position[2] / d[2];
+        return {(camera.position[0] + t * d[0]) / 16 * repeats, (camera.position[1] + t * d[1]) / 16 * repeats};
+    };
+    return picture(camera, [&](double x, double y) {
+        const auto uv = uv_at(x, y);
+        const bool above = ray_through(camera, x, y)[2] >= 0;
+        if (above || uv[0] < 0 || uv[1] < 0 || uv[0] > repeats || uv[1] > repeats) return kSkyColour;
+        const auto px = uv_at(x + 0.5, y), mx = uv_at(x - 0.5, y), py = uv_at(x, y + 0.5), my = uv_at(x, y - 0.5);
+        return lit(sampler(uv, {px[0] - mx[0], px[1] - mx[1]}, {py[0] - my[0], py[1] - my[1]}), {0, 0, 1});
+    });
+}
+
 }  // namespace citystream::client::test
