@@ -17,10 +17,23 @@ uint mesh_chart_entry(uvec2 mesh, uint widths, uint triangle) {
     return layer_word(mesh, MESH_WORD_CHART_TABLE) + chart * MESH_CHART_WORDS;
 }
 
+// A vertex's three fields of `bits` (0..30) bits, one after the other. Up to 64 bits are read at once.
 uvec3 mesh_planes(uvec2 mesh, uint base, uint vertex, uint bits) {
-    uint bit = vertex * 3u * bits;
-    return uvec3(read_bits(mesh, base, bit, bits), read_bits(mesh, base, bit + bits, bits),
-                 read_bits(mesh, base, bit + 2u * bits, bits));
+    uint all = 3u * bits;
+    uint bit = vertex * all;
+    if (all > 64u) {
+        return uvec3(read_bits(mesh, base, bit, bits), read_bits(mesh, base, bit + bits, bits),
+                     read_bits(mesh, base, bit + 2u * bits, bits));
+    }
+    if (bits == 0u) return uvec3(0u);
+    uint first = base + (bit >> 5);
+    uint last = base + (bit + all - 1u >> 5);
+    uint shift = bit & 31u;
+    uint next = layer_word(mesh, min(first + 1u, last));
+    uint low = read_across(layer_word(mesh, first), next, shift);
+    uint high = all > 32u ? read_across(next, layer_word(mesh, last), shift) : 0u;
+    uint third = 2u * bits < 32u ? low >> 2u * bits | high << (32u - 2u * bits) : high >> (2u * bits - 32u);
+    return uvec3(low, low >> bits | high << (32u - bits), third) & ((1u << bits) - 1u);
 }
 
 // Tile-relative grid units: the known high bits of all resident steps, less the halves that made the steps before the last round.
@@ -28,12 +41,16 @@ ivec3 mesh_position(uvec2 mesh, uint widths, uint steps, uint step_begin[DRAW_ME
     uvec3 known = mesh_planes(mesh, layer_word(mesh, MESH_WORD_POSITIONS), vertex, widths >> 16 & 255u);
     uint dropped = widths >> 24;
     uint rounding = 0u;
-    for (uint s = 1u; s < steps; ++s) {
+    // A fixed number of rounds, each with its header read whether it is there or not (then it is the layer's own):
+    // software drivers read a word once for all vertices where its place is a constant of the draw and no branch is open.
+    for (uint s = 1u; s < DRAW_MESH_STEPS; ++s) {
         uint plane_widths = layer_word(mesh, step_begin[s - 1u] + MESH_PLANES_WORD_WIDTHS);
-        uint bits = plane_widths & 255u;
-        rounding += 1u << (dropped - 1u);
-        known = known << bits | mesh_planes(mesh, step_begin[s - 1u] + MESH_PLANES_HEADER_WORDS, vertex, bits);
-        dropped = plane_widths >> 8;
+        if (s < steps) {
+            uint bits = plane_widths & 255u;
+            rounding += 1u << (dropped - 1u);
+            known = known << bits | mesh_planes(mesh, step_begin[s - 1u] + MESH_PLANES_HEADER_WORDS, vertex, bits);
+            dropped = plane_widths >> 8;
+        }
     }
     uvec3 origin = uvec3(layer_word(mesh, MESH_WORD_ORIGIN_X), layer_word(mesh, MESH_WORD_ORIGIN_Y),
                          layer_word(mesh, MESH_WORD_ORIGIN_Z));
