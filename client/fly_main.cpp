@@ -4,7 +4,6 @@
 
 #include <CLI/CLI.hpp>
 #include <atomic>
-#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
@@ -12,10 +11,12 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <optional>
 #include <thread>
 
 #include "client/path/camera_path.h"
+#include "client/path/frame_size.h"
 #include "client/reference/reference_renderer.h"
 #include "client/render/facade_renderer.h"
 #include "client/render/frame_file.h"
@@ -26,6 +27,7 @@
 #include "client/stream/city_streamer.h"
 #include "client/stream/fetcher.h"
 #include "client/stream/flight_statistics.h"
+#include "command_line/command_line.h"
 
 namespace citystream::client {
 namespace {
@@ -65,31 +67,20 @@ std::vector<std::string> facade_renderer_names() {
     return names;
 }
 
-int fail(const std::string& what) {
+int fail(const std::string& what, int code = command_line::kFailed) {
     fmt::print(stderr, "citystream-fly: {}\n", what);
-    return 1;
+    return code;
 }
 
 double milliseconds_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-Status parse_size(const std::string& text, uint32_t& width, uint32_t& height) {
-    const size_t cross = text.find('x');
-    const auto number = [](std::string_view part) -> uint32_t {
-        uint32_t value = 0;
-        const auto [end, status] = std::from_chars(part.data(), part.data() + part.size(), value);
-        return status == std::errc{} && end == part.data() + part.size() && value <= 16384 ? value : 0;
-    };
-    width = number(std::string_view(text).substr(0, cross));
-    height = cross == std::string::npos ? 0 : number(std::string_view(text).substr(cross + 1));
-    if (width == 0 || height == 0) return Error{"--size " + text + ": expected WIDTHxHEIGHT, each 1..16384"};
-    return Done{};
-}
-
 Status parse_values(FlyOptions& options) {
-    Status size = parse_size(options.size, options.width, options.height);
-    if (!size) return size;
+    const auto size = parse_frame_size(options.size);
+    if (!size) return Error{"--size: " + size.error().text()};
+    options.width = size->width;
+    options.height = size->height;
     const auto gpu = parse_byte_count(options.gpu_budget);
     if (!gpu) return Error{"--gpu-budget: " + gpu.error().text()};
     const auto host = parse_byte_count(options.host_budget);
@@ -251,15 +242,14 @@ void show_progress(double done, const std::string& text) {
 }
 
 /// The hard promise of every frame.
-Status check_budgets(const FlyOptions& options, const FlightFrame& frame, uint64_t gpu_allocated) {
-    const StreamerFrame& s = frame.stream;
-    if (s.gpu_bytes_used > options.gpu_bytes || gpu_allocated > options.gpu_bytes) {
-        return Error{fmt::format("frame {}: {} bytes of GPU memory used, over --gpu-budget {}", frame.index,
-                                 std::max(s.gpu_bytes_used, gpu_allocated), options.gpu_budget)};
+Status check_budgets(const FlyOptions& options, const StreamerFrame& frame, uint64_t gpu_allocated) {
+    if (frame.gpu_bytes_used > options.gpu_bytes || gpu_allocated > options.gpu_bytes) {
+        return Error{fmt::format("{} bytes of GPU memory used, over --gpu-budget {}",
+                                 std::max(frame.gpu_bytes_used, gpu_allocated), options.gpu_budget)};
     }
-    if (s.host_bytes_used > options.host_bytes) {
-        return Error{fmt::format("frame {}: {} bytes of host memory used, over --host-budget {}", frame.index,
-                                 s.host_bytes_used, options.host_budget)};
+    if (frame.host_bytes_used > options.host_bytes) {
+        return Error{fmt::format("{} bytes of host memory used, over --host-budget {}", frame.host_bytes_used,
+                                 options.host_budget)};
     }
     return Done{};
 }
@@ -296,16 +286,97 @@ FlightDescription describe(const FlyOptions& options, const std::string& device)
     return description;
 }
 
-Status report(const FlyOptions& options, const FlightStatistics& statistics, const FlightTotals& totals) {
+/// What is left to do when a path was flown; the exit code.
+int conclude(const FlyOptions& options, const FlightStatistics& statistics, const FlightTotals& totals) {
     if (!options.stats.empty()) {
-        Status written = write_text(options.stats, statistics.json(totals));
-        if (!written) return written;
+        const Status written = write_text(options.stats, statistics.json(totals));
+        if (!written) return fail(written.error().text());
     }
     if (options.json) fmt::print("{}", statistics.summary_json(totals));
     if (totals.stopped_early) {
         fmt::print(stderr, "citystream-fly: stopped by a signal after {} frames\n", statistics.frames().size());
     }
-    return Done{};
+    if (totals.validation_messages > 0) return fail(fmt::format("{} validation messages", totals.validation_messages));
+    return 0;
+}
+
+/// A frame, and what is worth saying of it.
+struct DrawnFrame {
+    FrameImage image;
+    std::string remark;
+};
+/// Draws what a camera sees and fills what it took. Nothing when the flight was stopped meanwhile.
+using DrawFrame = std::function<Result<std::optional<DrawnFrame>>(const Camera& camera, FlightFrame& frame)>;
+
+/// Draws the path frame by frame and puts the frames out.
+Status fly_path(const FlyOptions& options, const CameraPath& path, bool realtime, const DrawFrame& draw,
+                FlightStatistics& statistics) {
+    auto output = open_output(options);
+    if (!output) return output.error();
+    FrameClock clock(path, options.fps, realtime);
+    for (uint64_t index = 0; !stop_requested; ++index) {
+        const std::optional<double> t = clock.next();
+        if (!t || stop_requested) break;
+        FlightFrame frame;
+        frame.index = index;
+        frame.t = *t;
+        const Clock::time_point begin = Clock::now();
+        auto drawn = draw(Camera::from_sample(path.at(*t), options.width, options.height), frame);
+        frame.total_ms = milliseconds_since(begin);
+        if (!drawn) return Error{fmt::format("frame {}: {}", index, drawn.error().text())};
+        if (!*drawn) break;
+        statistics.add(std::move(frame));
+        Status added = (*output)->add(std::move((*drawn)->image));
+        if (!added) return added;
+        show_progress(clock.done(*t), (*drawn)->remark);
+    }
+    return (*output)->finish();
+}
+
+RendererOptions renderer_options(const FlyOptions& options) {
+    RendererOptions renderer;
+    renderer.width = options.width;
+    renderer.height = options.height;
+    renderer.gpu_budget_bytes = options.gpu_bytes;
+    renderer.device = options.device;
+    renderer.supersample = options.supersample;
+    renderer.validation = options.validation;
+    renderer.facade_renderer = options.renderer;
+    renderer.facade_samples = options.facade_samples;
+    renderer.chart_transport = options.transport;
+    renderer.facade_tint = options.tint;
+    return renderer;
+}
+
+StreamerOptions streamer_options(const FlyOptions& options) {
+    StreamerOptions streamer;
+    streamer.tolerance_pixels = options.tolerance;
+    streamer.texel_tolerance_pixels = options.texel_tolerance;
+    streamer.host_budget_bytes = options.host_bytes;
+    streamer.wait_for_selection = options.mode == "offline";
+    streamer.relief = options.relief;
+    streamer.occlusion = options.occlusion == "on";
+    streamer.facade_form = form_for(options.renderer);
+    streamer.facade_boxes = steps_through_boxes(options.renderer);
+    streamer.stop = &stop_requested;
+    return streamer;
+}
+
+/// One frame of the streamed city, within its budgets.
+Result<std::optional<DrawnFrame>> draw_city(const FlyOptions& options, CityStreamer& streamer, VulkanRenderer& renderer,
+                                            const Camera& camera, FlightFrame& frame) {
+    const std::vector<TileDraw>& draws = streamer.update(camera, frame.stream);
+    if (stop_requested) return std::optional<DrawnFrame>();
+    auto image = renderer.draw(camera, draws, &frame.timings);
+    if (!image) return image.error();
+    frame.counts = renderer.counts();
+    for (const std::string& warning : frame.stream.warnings) {
+        fmt::print(stderr, "citystream-fly: warning: {}\n", warning);
+    }
+    const Status budgets = check_budgets(options, frame.stream, renderer.gpu_bytes_allocated());
+    if (!budgets) return budgets.error();
+    return std::optional(DrawnFrame{
+        std::move(*image), fmt::format("{} tiles, {:.2f} px", frame.stream.tiles_drawn, frame.stream.tolerance_used)});
 }
 
 /// The city through the streamer and the Vulkan renderer.
@@ -314,66 +385,17 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
     fetcher_options.shape = options.shape;
     auto fetcher = Fetcher::open(options.place, fetcher_options);
     if (!fetcher) return fail(fetcher.error().text());
-
-    RendererOptions renderer_options;
-    renderer_options.width = options.width;
-    renderer_options.height = options.height;
-    renderer_options.gpu_budget_bytes = options.gpu_bytes;
-    renderer_options.device = options.device;
-    renderer_options.supersample = options.supersample;
-    renderer_options.validation = options.validation;
-    renderer_options.facade_renderer = options.renderer;
-    renderer_options.facade_samples = options.facade_samples;
-    renderer_options.chart_transport = options.transport;
-    renderer_options.facade_tint = options.tint;
-    auto renderer = VulkanRenderer::create(renderer_options);
+    auto renderer = VulkanRenderer::create(renderer_options(options));
     if (!renderer) return fail(renderer.error().text());
-
-    StreamerOptions streamer_options;
-    streamer_options.tolerance_pixels = options.tolerance;
-    streamer_options.texel_tolerance_pixels = options.texel_tolerance;
-    streamer_options.host_budget_bytes = options.host_bytes;
-    streamer_options.wait_for_selection = options.mode == "offline";
-    streamer_options.relief = options.relief;
-    streamer_options.occlusion = options.occlusion == "on";
-    streamer_options.facade_form = form_for(options.renderer);
-    streamer_options.facade_boxes = steps_through_boxes(options.renderer);
-    streamer_options.stop = &stop_requested;
-    auto streamer = CityStreamer::open(**fetcher, **renderer, streamer_options);
+    auto streamer = CityStreamer::open(**fetcher, **renderer, streamer_options(options));
     if (!streamer) return fail(streamer.error().text());
 
-    auto output = open_output(options);
-    if (!output) return fail(output.error().text());
     FlightStatistics statistics(describe(options, (*renderer)->device_name()));
-    FrameClock clock(path, options.fps, options.mode == "realtime");
-    for (uint64_t index = 0; !stop_requested; ++index) {
-        const std::optional<double> t = clock.next();
-        if (!t || stop_requested) break;
-        const Clock::time_point begin = Clock::now();
-        const Camera camera = Camera::from_sample(path.at(*t), options.width, options.height);
-        FlightFrame frame;
-        frame.index = index;
-        frame.t = *t;
-        const std::vector<TileDraw>& draws = (*streamer)->update(camera, frame.stream);
-        if (stop_requested) break;
-        auto image = (*renderer)->draw(camera, draws, &frame.timings);
-        if (!image) return fail(fmt::format("frame {}: {}", index, image.error().text()));
-        frame.total_ms = milliseconds_since(begin);
-        frame.counts = (*renderer)->counts();
-        for (const std::string& warning : frame.stream.warnings) {
-            fmt::print(stderr, "citystream-fly: warning: {}\n", warning);
-        }
-        const Status budgets = check_budgets(options, frame, (*renderer)->gpu_bytes_allocated());
-        const std::string text =
-            fmt::format("{} tiles, {:.2f} px", frame.stream.tiles_drawn, frame.stream.tolerance_used);
-        statistics.add(std::move(frame));
-        if (!budgets) return fail(budgets.error().text());
-        const Status added = (*output)->add(std::move(*image));
-        if (!added) return fail(added.error().text());
-        show_progress(clock.done(*t), text);
-    }
-    const Status finished = (*output)->finish();
-    if (!finished) return fail(finished.error().text());
+    const DrawFrame draw = [&](const Camera& camera, FlightFrame& frame) {
+        return draw_city(options, **streamer, **renderer, camera, frame);
+    };
+    const Status flown = fly_path(options, path, options.mode == "realtime", draw, statistics);
+    if (!flown) return fail(flown.error().text());
     FlightTotals totals;
     totals.fetcher = (*fetcher)->statistics();
     totals.frame_buffer_bytes = (*renderer)->frame_buffer_bytes();
@@ -381,10 +403,7 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
     totals.validation_messages = (*renderer)->validation_messages();
     totals.facade_pipeline = (*renderer)->has_facade_pipeline();
     totals.stopped_early = stop_requested;
-    const Status reported = report(options, statistics, totals);
-    if (!reported) return fail(reported.error().text());
-    if (totals.validation_messages > 0) return fail(fmt::format("{} validation messages", totals.validation_messages));
-    return 0;
+    return conclude(options, statistics, totals);
 }
 
 /// The uncompressed city through the reference renderer.
@@ -396,33 +415,19 @@ int fly_reference(const FlyOptions& options, const CameraPath& path) {
     reference_options.facade_tint = options.tint;
     auto renderer = ReferenceRenderer::create(options.reference, reference_options);
     if (!renderer) return fail(renderer.error().text());
-    auto output = open_output(options);
-    if (!output) return fail(output.error().text());
     FlightStatistics statistics(describe(options, (*renderer)->device_name()));
-    FrameClock clock(path, options.fps, false);
-    for (uint64_t index = 0; !stop_requested; ++index) {
-        const std::optional<double> t = clock.next();
-        if (!t) break;
-        const Clock::time_point begin = Clock::now();
-        auto image = (*renderer)->draw(Camera::from_sample(path.at(*t), options.width, options.height));
-        if (!image) return fail(fmt::format("frame {}: {}", index, image.error().text()));
-        FlightFrame frame;
-        frame.index = index;
-        frame.t = *t;
-        frame.total_ms = milliseconds_since(begin);
+    const DrawFrame draw = [&](const Camera& camera, FlightFrame& frame) -> Result<std::optional<DrawnFrame>> {
+        auto image = (*renderer)->draw(camera);
+        if (!image) return image.error();
         frame.timings.gpu_total_ms = (*renderer)->last_frame_ms();
         frame.stream.gpu_bytes_used = (*renderer)->gpu_bytes();
-        statistics.add(std::move(frame));
-        const Status added = (*output)->add(std::move(*image));
-        if (!added) return fail(added.error().text());
-        show_progress(clock.done(*t), "reference");
-    }
-    const Status finished = (*output)->finish();
-    if (!finished) return fail(finished.error().text());
+        return std::optional(DrawnFrame{std::move(*image), "reference"});
+    };
+    const Status flown = fly_path(options, path, false, draw, statistics);
+    if (!flown) return fail(flown.error().text());
     FlightTotals totals;
     totals.stopped_early = stop_requested;
-    const Status reported = report(options, statistics, totals);
-    return reported ? 0 : fail(reported.error().text());
+    return conclude(options, statistics, totals);
 }
 
 constexpr const char* kExamples = R"(Examples:
@@ -432,20 +437,50 @@ constexpr const char* kExamples = R"(Examples:
   citystream-fly http://localhost:8080/city --path tour.csv --mode realtime --network 5mbit,38ms
   citystream-fly --reference city.glb --path tour.csv --frames reference/)";
 
-void add_options(CLI::App& app, FlyOptions& options) {
+/// What is flown and what comes of it.
+void add_flight_options(CLI::App& app, FlyOptions& options) {
     app.add_option("place", options.place, "http://host:port[/city], a .3tz archive, or an unpacked folder");
     app.add_option("--path", options.path, "camera path: CSV with the columns t,x,y,z,yaw,pitch,fov");
+    app.add_option("--reference", options.reference,
+                   "draw this uncompressed city (.glb) with the reference renderer instead");
+    app.add_option("--mode", options.mode,
+                   "offline: each frame waits for all it asked for; realtime: draws what is there")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"offline", "realtime"}));
+    app.add_option("--fps", options.fps, "frames per second of the path")
+        ->capture_default_str()
+        ->check(command_line::number_from(0.001, 1000.0));
+    app.add_option("--network", options.network, "shape the network: RATE,ROUNDTRIP, for example 5mbit,38ms");
+    app.add_option("--frames", options.frames_folder, "folder for the frames (PNG)");
+    app.add_option("--video", options.video, "film of the frames (MP4)");
+    app.add_option("--stats", options.stats, "statistics of every frame (JSON)");
     app.add_option("--size", options.size, "frame size in pixels")->capture_default_str();
+    app.add_flag("--json", options.json, "print the summary as JSON");
+}
+
+/// How exactly the city is shown.
+void add_quality_options(CLI::App& app, FlyOptions& options) {
     app.add_option("--tolerance", options.tolerance, "largest error in pixels")
         ->capture_default_str()
-        ->check(CLI::Range(0.01, 1e6));
+        ->check(command_line::number_from(0.01, 1e6));
     app.add_option("--relief-tolerance", options.relief_tolerance,
                    "facade relief that projects to fewer pixels is drawn flat (default: --tolerance)")
-        ->check(CLI::Range(0.01, 1e6));
+        ->check(command_line::number_from(0.01, 1e6));
     app.add_option("--texel-tolerance", options.texel_tolerance,
                    "largest size of a texel in pixels, of pictures that are not shown as fine as they are (default: "
                    "--tolerance)")
-        ->check(CLI::Range(0.01, 1e6));
+        ->check(command_line::number_from(0.01, 1e6));
+    app.add_option("--occlusion", options.occlusion,
+                   "on: what near surfaces hide is neither fetched nor drawn (offline mode)")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"on", "off"}));
+    app.add_option("--supersample", options.supersample, "samples per pixel and axis")
+        ->capture_default_str()
+        ->check(command_line::number_from(1, 2));
+}
+
+/// How facades and pictures are drawn.
+void add_drawing_options(CLI::App& app, FlyOptions& options) {
     app.add_option("--map-level", options.map_level,
                    "level of every facade map, 0 the coarsest; auto: as coarse as --tolerance lets it be")
         ->capture_default_str()
@@ -457,64 +492,43 @@ void add_options(CLI::App& app, FlyOptions& options) {
                    "rays of a pixel that covers more than the finest parts of its facade: 5 and 13 keep far windows "
                    "from shimmering")
         ->capture_default_str()
-        ->check(CLI::IsMember(kFacadeSampleCounts));
+        ->check(CLI::IsMember(facade_sample_names()));
+    app.add_option("--facade-tint", options.facade_tint,
+                   "STRENGTH[,METRES]: multiplies walls by a colour that changes over the city, 0 to 1, the next one "
+                   "every METRES (40); the reference renderer does the same")
+        ->capture_default_str();
     app.add_option("--chart-transport", options.chart_transport,
                    "how a triangle's chart in a page comes to the vertex shader (archives of --atlas-form pages): same "
                    "frames, other memory and time")
         ->capture_default_str()
         ->check(CLI::IsMember(chart_transport_names()));
-    app.add_option("--facade-tint", options.facade_tint,
-                   "STRENGTH[,METRES]: multiplies walls by a colour that changes over the city, 0 to 1, the next one "
-                   "every METRES (40); the reference renderer does the same")
-        ->capture_default_str();
-    app.add_option("--occlusion", options.occlusion,
-                   "on: what near surfaces hide is neither fetched nor drawn (offline mode)")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"on", "off"}));
-    app.add_option("--frames", options.frames_folder, "folder for the frames (PNG)");
-    app.add_option("--video", options.video, "film of the frames (MP4)");
-    app.add_option("--stats", options.stats, "statistics of every frame (JSON)");
+}
+
+/// What the machine has for it.
+void add_machine_options(CLI::App& app, FlyOptions& options) {
     app.add_option("--gpu-budget", options.gpu_budget, "most GPU memory for tiles")->capture_default_str();
     app.add_option("--host-budget", options.host_budget, "most host memory for tiles")->capture_default_str();
-    app.add_option("--mode", options.mode,
-                   "offline: each frame waits for all it asked for; realtime: draws what is there")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"offline", "realtime"}));
-    app.add_option("--fps", options.fps, "frames per second of the path")
-        ->capture_default_str()
-        ->check(CLI::Range(0.001, 1000.0));
-    app.add_option("--network", options.network, "shape the network: RATE,ROUNDTRIP, for example 5mbit,38ms");
     app.add_option("--device", options.device, "part of a device's name, or its index");
-    app.add_option("--supersample", options.supersample, "samples per pixel and axis")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 2));
-    app.add_option("--reference", options.reference,
-                   "draw this uncompressed city (.glb) with the reference renderer instead");
     app.add_flag("--list-devices", options.list_devices, "list the devices and exit");
     app.add_flag("--validation", options.validation, "run with the Vulkan validation layer; messages fail the flight");
-    app.add_flag("--json", options.json, "print the summary as JSON");
-    app.set_version_flag("--version", std::string("citystream-fly ") + CITYSTREAM_VERSION);
-    app.footer(kExamples);
 }
 
 int run(int argc, char** argv) {
     CLI::App app{"Flies a camera path over a streamed city, without a display."};
     FlyOptions options;
-    add_options(app, options);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
+    add_flight_options(app, options);
+    add_quality_options(app, options);
+    add_drawing_options(app, options);
+    add_machine_options(app, options);
+    app.set_version_flag("--version", std::string("citystream-fly ") + CITYSTREAM_VERSION);
+    app.footer(kExamples);
+    if (const auto ended = command_line::read_arguments(app, argc, argv)) return *ended;
     if (options.list_devices) {
         for (const std::string& line : list_devices()) fmt::print("{}\n", line);
         return 0;
     }
     const Status parsed = parse_values(options);
-    if (!parsed) {
-        fail(parsed.error().text());
-        return 2;
-    }
+    if (!parsed) return fail(parsed.error().text(), command_line::kWrongUsage);
     std::signal(SIGINT, request_stop);
     std::signal(SIGTERM, request_stop);
     const auto path = read_camera_path(options.path);

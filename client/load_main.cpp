@@ -13,7 +13,9 @@
 #include "client/load/load_arguments.h"
 #include "client/load/load_report.h"
 #include "client/load/load_run.h"
+#include "client/path/frame_size.h"
 #include "client/select/relief_arguments.h"
+#include "command_line/command_line.h"
 
 namespace {
 
@@ -54,10 +56,10 @@ Status interpret(Arguments& arguments) {
         if (!ramp) return Error{"--ramp: " + ramp.error().text()};
         options.ramp_seconds = *ramp;
     }
-    const auto size = client::parse_load_size(arguments.size);
+    const auto size = client::parse_frame_size(arguments.size);
     if (!size) return Error{"--size: " + size.error().text()};
-    options.client.width = size->first;
-    options.client.height = size->second;
+    options.client.width = size->width;
+    options.client.height = size->height;
     const auto host = client::parse_load_bytes(arguments.host_budget);
     if (!host) return Error{"--host-budget: " + host.error().text()};
     options.client.streamer.host_budget_bytes = *host;
@@ -92,7 +94,7 @@ bool write_file(const std::string& name, const std::string& text) {
 }
 
 int load(Arguments& arguments) {
-    if (const Status good = interpret(arguments); !good) return fail(good.error().text(), 2);
+    if (const Status good = interpret(arguments); !good) return fail(good.error().text(), command_line::kWrongUsage);
     const auto path = client::read_camera_path(arguments.path);
     if (!path) return fail(path.error().text(), 1);
 
@@ -134,19 +136,21 @@ int main(int argc, char** argv) {
                    "http://host:port[/city] (or a .3tz file or folder, to try without a server)")
         ->required();
     app.add_option("--path", arguments.path, "Camera path, CSV: t,x,y,z,yaw,pitch,fov")->required();
-    app.add_option("--clients", options.clients, "Number of clients")->required()->check(CLI::Range(1, 100'000));
+    app.add_option("--clients", options.clients, "Number of clients")
+        ->required()
+        ->check(command_line::number_from(1, 100'000));
     app.add_option("--duration", arguments.duration, "How long to fly")->capture_default_str();
     app.add_option("--ramp", arguments.ramp, "Clients begin spread over this time")->capture_default_str();
     app.add_option("--rate", options.updates_per_second, "Camera updates a second of each client")
-        ->check(CLI::Range(0.1, 240.0))
+        ->check(command_line::number_from(0.1, 240.0))
         ->capture_default_str();
     app.add_option("--tolerance", options.client.streamer.tolerance_pixels,
                    "Error on the screen that is good enough, in pixels")
-        ->check(CLI::Range(0.01, 1000.0))
+        ->check(command_line::number_from(0.01, 1000.0))
         ->capture_default_str();
     app.add_option("--relief-tolerance", arguments.relief_tolerance,
                    "Facade relief that projects to fewer pixels is not fetched (default: --tolerance)")
-        ->check(CLI::Range(0.01, 1000.0));
+        ->check(command_line::number_from(0.01, 1000.0));
     app.add_option("--map-level", arguments.map_level,
                    "Level of every facade map, 0 the coarsest; auto: as coarse as --tolerance lets it be")
         ->capture_default_str()
@@ -154,19 +158,15 @@ int main(int argc, char** argv) {
     app.add_option("--size", arguments.size, "Picture size that clients select for")->capture_default_str();
     app.add_option("--network", arguments.network, "Shape each client's link, as 5mbit,38ms");
     app.add_option("--connections", options.client.fetcher.connections, "Connections of each client")
-        ->check(CLI::Range(1, 64))
+        ->check(command_line::number_from(1, 64))
         ->capture_default_str();
     app.add_option("--seed", options.seed, "Decides where and when each client begins")->capture_default_str();
     app.add_option("--host-budget", arguments.host_budget, "Of each client")->capture_default_str();
     app.add_option("--gpu-budget", arguments.gpu_budget, "Of each client")->capture_default_str();
     app.add_option("--threads", options.threads, "Threads that drive clients; 0 is one per processor")
-        ->check(CLI::Range(0, 1024));
+        ->check(command_line::number_from(0, 1024));
     app.add_option("--stats", arguments.stats, "Write the figures to this JSON file");
     app.add_flag("--json", arguments.json, "Print JSON instead of text");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
+    if (const auto ended = command_line::read_arguments(app, argc, argv)) return *ended;
     return load(arguments);
 }

@@ -9,17 +9,20 @@
 #include <optional>
 #include <string_view>
 
+#include "client/path/frame_size.h"
 #include "client/report/report_files.h"
 #include "client/report/sweep.h"
 #include "client/report/variants.h"
 #include "client/select/relief_arguments.h"
 #include "codec/atlas/image_metric.h"
+#include "command_line/command_line.h"
 
 namespace {
 
 using namespace citystream;
 using namespace citystream::client;
 
+constexpr uint32_t kGreatestSide = 8192;
 constexpr double kUsualTolerances[] = {0.5, 1, 2, 4, 8, 16};
 
 struct Arguments {
@@ -35,9 +38,9 @@ struct Arguments {
     bool json = false;
 };
 
-int complain(const std::string& line) {
+int complain(const std::string& line, int code = command_line::kFailed) {
     fmt::print(stderr, "citystream-report: {}\n", line);
-    return 1;
+    return code;
 }
 
 std::string reference_beside(const std::string& city) {
@@ -109,18 +112,27 @@ Status check_build(const Arguments& arguments) {
         "without -o"};
 }
 
-int run(Arguments& arguments) {
+/// Fills the sweep's values that are texts on the command line. Error: wrong usage, one line.
+Result<std::vector<Setting>> interpret(Arguments& arguments) {
     SweepOptions& sweep = arguments.sweep;
     auto settings = settings_of(arguments);
-    if (!settings) return complain(settings.error().text());
-    if (Status good = check_build(arguments); !good) return complain(good.error().text());
+    if (!settings) return settings;
+    if (Status good = check_build(arguments); !good) return good.error();
     const auto relief = parse_relief_options(arguments.map_level, arguments.relief_tolerance);
-    if (!relief) return complain(relief.error().text());
+    if (!relief) return relief.error();
     sweep.relief = *relief;
     sweep.facade_renderer = facade_renderer_named(arguments.facade_renderer).value_or(FacadeRenderer::kPatch);
-    if (std::sscanf(arguments.size.c_str(), "%ux%u", &sweep.width, &sweep.height) != 2 || sweep.width - 1 >= 8192 ||
-        sweep.height - 1 >= 8192)
-        return complain(fmt::format("--size {}: give WIDTHxHEIGHT, each 1 to 8192", arguments.size));
+    const auto size = parse_frame_size(arguments.size, kGreatestSide);
+    if (!size) return Error{"--size: " + size.error().text()};
+    sweep.width = size->width;
+    sweep.height = size->height;
+    return settings;
+}
+
+int run(Arguments& arguments) {
+    SweepOptions& sweep = arguments.sweep;
+    auto settings = interpret(arguments);
+    if (!settings) return complain(settings.error().text(), command_line::kWrongUsage);
     auto path = read_camera_path(arguments.path_file);
     if (!path) return complain(path.error().text());
     sweep.path = std::move(path).value();
@@ -150,20 +162,8 @@ int run(Arguments& arguments) {
     return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-    Arguments arguments;
-    CLI::App app{
-        "Draws error against run time and bytes: flies PATH once per setting and compares each frame with the "
-        "reference renderer.\n"
-        "Examples: citystream-report city.3tz --path tour.csv --tolerances 0.5,1,2,4 -o report\n"
-        "          citystream-report city.3tz --path tour.csv --map-levels auto,0,1,2,3 --facade-renderers patch,fdm "
-        "--also merged-2mm=merged.3tz -o report\n"
-        "          citystream-report city.3tz --path tour.csv --saliencies none,ssim:0.99,flip:0.05 --rate-distortions "
-        "0,4,16 "
-        "-o report -- generate --buildings 1000 --textures 100"};
-    app.set_version_flag("--version", CITYSTREAM_VERSION);
+/// What is flown, and how it is drawn.
+void add_flight_options(CLI::App& app, Arguments& arguments) {
     app.add_option("city", arguments.sweep.city, "A .3tz file, an unpacked folder or a URL")->required();
     app.add_option("--path", arguments.path_file, "Camera path (CSV: t,x,y,z,yaw,pitch,fov)")->required();
     app.add_option("-o,--output", arguments.folder, "Folder for the report")->required();
@@ -171,21 +171,30 @@ int main(int argc, char** argv) {
                    "The same city as .glb (default: beside the city, same name)");
     app.add_option("--size", arguments.size, "Frame size")->capture_default_str();
     app.add_option("--frames", arguments.sweep.frames, "Cameras along the path")
-        ->check(CLI::Range(1, 1000))
+        ->check(command_line::number_from(1, 1000))
         ->capture_default_str();
+    app.add_option("--supersample", arguments.sweep.supersample, "Samples a pixel in x and in y")
+        ->check(command_line::number_from(1, 2))
+        ->capture_default_str();
+    app.add_option("--device", arguments.sweep.device, "Vulkan device (index or part of its name)");
+    app.add_flag("--json", arguments.json, "Print report.json instead of the page's name");
+}
+
+/// Knobs: every value of a list is a setting.
+void add_knobs(CLI::App& app, Arguments& arguments) {
     app.add_option("--tolerances", arguments.tolerances,
                    "Screen-space tolerances in pixels; without any list of settings 0.5,1,2,4,8,16")
         ->delimiter(',')
-        ->check(CLI::Range(0.01, 1000.0));
+        ->check(command_line::number_from(0.01, 1000.0));
     app.add_option("--gpu-budgets", arguments.gpu_budgets_mib, "GPU budgets in MiB, flown at --tolerance")
         ->delimiter(',')
-        ->check(CLI::Range(1.0, 1e6));
+        ->check(command_line::number_from(1.0, 1e6));
     app.add_option("--relief-tolerances", arguments.relief_tolerances, "Pixels below which relief is drawn flat")
         ->delimiter(',')
-        ->check(CLI::Range(0.01, 1000.0));
+        ->check(command_line::number_from(0.01, 1000.0));
     app.add_option("--texel-tolerances", arguments.texel_tolerances, "Largest sizes of texels in pixels")
         ->delimiter(',')
-        ->check(CLI::Range(0.01, 1000.0));
+        ->check(command_line::number_from(0.01, 1000.0));
     app.add_option("--saliencies", arguments.saliencies,
                    "How much images may lose to become smaller, as --saliency of citystream-build: none,ssim:0.99; the "
                    "city is built for each")
@@ -194,7 +203,7 @@ int main(int argc, char** argv) {
                    "Squared errors that a bit of pictures is worth, as --rate-distortion of citystream-build; the city "
                    "is built for each")
         ->delimiter(',')
-        ->check(CLI::Range(0, 1 << 20));
+        ->check(command_line::number_from(0, 1 << 20));
     app.add_option("--map-levels", arguments.map_levels, "Levels of all facade maps: auto, 0 (the coarsest) to 3")
         ->delimiter(',')
         ->check(CLI::IsMember(map_level_names()));
@@ -208,37 +217,60 @@ int main(int argc, char** argv) {
     app.add_option("--also", arguments.also,
                    "NAME=CITY: the same city built otherwise, for example with another --merge-tolerance; repeat it")
         ->allow_extra_args(false);
+}
+
+/// Where the knobs that are not turned stand.
+void add_resting_values(CLI::App& app, Arguments& arguments) {
     app.add_option("--tolerance", arguments.sweep.tolerance_pixels, "Tolerance of the other knobs' settings")
-        ->check(CLI::Range(0.01, 1000.0))
+        ->check(command_line::number_from(0.01, 1000.0))
         ->capture_default_str();
     app.add_option("--relief-tolerance", arguments.relief_tolerance,
                    "Relief tolerance of the other knobs' settings (default: their tolerance)")
-        ->check(CLI::Range(0.01, 1000.0));
+        ->check(command_line::number_from(0.01, 1000.0));
     app.add_option("--texel-tolerance", arguments.sweep.texel_tolerance_pixels,
                    "Texel tolerance of the other knobs' settings (default: their tolerance)")
-        ->check(CLI::Range(0.01, 1000.0));
+        ->check(command_line::number_from(0.01, 1000.0));
     app.add_option("--map-level", arguments.map_level, "Map level of the other knobs' settings")
         ->check(CLI::IsMember(map_level_names()))
         ->capture_default_str();
     app.add_option("--facade-renderer", arguments.facade_renderer, "Facade renderer of the other knobs' settings")
         ->check(CLI::IsMember(renderer_names()))
         ->capture_default_str();
-    app.add_option("--supersample", arguments.sweep.supersample, "Samples a pixel in x and in y")
-        ->check(CLI::Range(1, 2))
-        ->capture_default_str();
-    app.add_option("--device", arguments.sweep.device, "Vulkan device (index or part of its name)");
-    app.add_flag("--json", arguments.json, "Print report.json instead of the page's name");
-    app.footer(
-        "Behind --: what citystream-build makes the city of (inputs and options without -o), for --saliencies and "
-        "--rate-distortions.");
-    // Taken away before CLI11 reads the rest: it would look for its own options there, too.
+}
+
+/// Copies what is behind "--", which belongs to citystream-build, and returns how many arguments come before: CLI11
+/// would look for its own options there, too.
+int take_build(int argc, char** argv, std::vector<std::string>& build) {
     char** const mark =
         std::find_if(argv, argv + argc, [](const char* word) { return std::string_view(word) == "--"; });
-    if (mark != argv + argc) arguments.build.assign(mark + 1, argv + argc);
-    try {
-        app.parse(static_cast<int>(mark - argv), argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
+    if (mark != argv + argc) build.assign(mark + 1, argv + argc);
+    return static_cast<int>(mark - argv);
+}
+
+constexpr const char* kAbout =
+    "Draws error against run time and bytes: flies PATH once per setting and compares each frame with the "
+    "reference renderer.\n"
+    "Examples: citystream-report city.3tz --path tour.csv --tolerances 0.5,1,2,4 -o report\n"
+    "          citystream-report city.3tz --path tour.csv --map-levels auto,0,1,2,3 --facade-renderers patch,fdm "
+    "--also merged-2mm=merged.3tz -o report\n"
+    "          citystream-report city.3tz --path tour.csv --saliencies none,ssim:0.99,flip:0.05 --rate-distortions "
+    "0,4,16 "
+    "-o report -- generate --buildings 1000 --textures 100";
+constexpr const char* kBehindTheMark =
+    "Behind --: what citystream-build makes the city of (inputs and options without -o), for --saliencies and "
+    "--rate-distortions.";
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Arguments arguments;
+    CLI::App app{kAbout};
+    app.set_version_flag("--version", CITYSTREAM_VERSION);
+    app.footer(kBehindTheMark);
+    add_flight_options(app, arguments);
+    add_knobs(app, arguments);
+    add_resting_values(app, arguments);
+    const int own = take_build(argc, argv, arguments.build);
+    if (const auto ended = command_line::read_arguments(app, own, argv)) return *ended;
     return run(arguments);
 }

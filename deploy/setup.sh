@@ -5,7 +5,7 @@ set -euo pipefail
 
 packages=(
     g++ cmake ninja-build ccache mold pkg-config git ca-certificates
-    libboost1.81-dev libopenmesh-dev libdraco-dev libmeshoptimizer-dev libopenimageio-dev libeigen3-dev
+    libboost1.81-dev libopenmesh-dev libdraco-dev libmeshoptimizer-dev libopenimageio-dev libpng-dev libeigen3-dev
     libvulkan-dev vulkan-validationlayers libvulkan-volk-dev libegl-dev libgles-dev libglu1-mesa-dev glslang-tools spirv-tools
     nlohmann-json3-dev libsimdjson-dev libexpat1-dev libfmt-dev libcli11-dev libzstd-dev liblzma-dev zlib1g-dev libxxhash-dev libssl-dev
     libtinygltf-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libx264-dev

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line/command_line.h"
 #include "server/server.h"
 
 namespace {
@@ -94,18 +95,14 @@ int main(int argc, char** argv) {
         ->required();
     app.add_option("--listen", arguments.listen, "Address and port; port 0 takes any free one")->capture_default_str();
     app.add_option("--threads", arguments.threads, "Worker threads; 0 is one per processor")
-        ->check(CLI::Range(0, 1024));
+        ->check(command_line::number_from(0, 1024));
     app.add_option("--idle-timeout", arguments.idle_timeout,
                    "Longest wait for a request's head or for progress of an answer")
         ->capture_default_str();
     app.add_option("--max-connections", arguments.max_connections, "Connections beyond this are answered with 503")
-        ->check(CLI::Range(1, 1'000'000))
+        ->check(command_line::number_from(1, 1'000'000))
         ->capture_default_str();
     app.add_flag("--json", arguments.json, "Announce and summarise as JSON lines");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : 2;
-    }
+    if (const auto ended = command_line::read_arguments(app, argc, argv)) return *ended;
     return serve(arguments);
 }

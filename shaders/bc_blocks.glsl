@@ -1,5 +1,4 @@
-// Texels of BC1, BC1 with cut-outs, BC4 and BC3 blocks, 0..255 a channel. Twins of codec/atlas/bc1.h, bc1_cutout.h, bc4.h and bc3.h: same
-// integers. Written in the common subset of GLSL and C++ with glm (see words.glsl); the CPU runs it in tests/shaders/bc_blocks_on_cpu.cpp.
+// Texels of BC1, BC4 and BC3 blocks, 0..255 a channel. Twins of codec/atlas/bc1.h and bc4.h: same integers. Written in the common subset of GLSL and C++ with glm (see words.glsl); the CPU runs it in tests/shaders/bc_blocks_on_cpu.cpp.
 #ifndef CITYSTREAM_BC_BLOCKS_GLSL
 #define CITYSTREAM_BC_BLOCKS_GLSL
 
@@ -15,18 +14,6 @@ ivec3 bc1_texel(uvec2 block, uint i) {
     uint thirds = code < 2u ? code * 3u : code - 1u;
     uint sum = expand_565(block.x & 0xffffu) * (3u - thirds) + expand_565(block.x >> 16) * thirds + 0x00100401u;
     return ivec3(sum & 1023u, sum >> 10 & 1023u, sum >> 20) * 21846 >> 16;  // sum / 3, exact up to 766
-}
-
-// c0 > c1: opaque as above. Otherwise c0, c1, (c0 + c1 + 1) / 2, and nothing (0, 0, 0, 0).
-ivec4 bc1_cutout_texel(uvec2 block, uint i) {
-    uint c0 = block.x & 0xffffu;
-    uint c1 = block.x >> 16;
-    if (c0 > c1) return ivec4(bc1_texel(block, i), 255);
-    uint code = block.y >> (2u * i) & 3u;
-    if (code == 3u) return ivec4(0);
-    uint halves = code < 2u ? code * 2u : 1u;
-    uint sum = expand_565(c0) * (2u - halves) + expand_565(c1) * halves + 0x00100401u;
-    return ivec4(ivec3(sum & 1023u, sum >> 10 & 1023u, sum >> 20) >> 1, 255);
 }
 
 // Bits 0..7 a0, 8..15 a1, then 3 bits a texel.

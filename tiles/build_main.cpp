@@ -4,8 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-
 #include <atomic>
+#include <charconv>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -15,18 +15,20 @@
 #include <sstream>
 
 #include "codec/atlas/page_layout.h"
+#include "command_line/command_line.h"
 #include "tiles/city/city_input.h"
 #include "tiles/city/generator.h"
 #include "tiles/city/generator_walls.h"
 #include "tiles/layers/build_city.h"
 #include "tiles/layers/inspect_city.h"
+#include "tiles/layers/memory_plan.h"
 
 namespace {
 
 using namespace citystream;
 using namespace citystream::tiles;
 
-constexpr int kFailed = 1, kWrongUsage = 2;
+using command_line::kFailed, command_line::kWrongUsage;
 constexpr size_t kDefectsShown = 20;
 
 std::atomic<bool> interrupted = false;
@@ -48,7 +50,7 @@ struct Arguments {
     std::string atlas_form = "charts";
     std::optional<std::string> shared_charts;  ///< not given: what goes with the form
     uint32_t merge_tolerance_mm = 0, rate_distortion = layers::BuildOptions().rate_distortion;
-    uint32_t page_mips = layers::BuildOptions().page_mips;
+    std::optional<std::string> page_mips, page_shape;  ///< of pages; not given: what BuildOptions has
     bool json = false;
 };
 
@@ -58,9 +60,9 @@ std::string about(const std::string& path, const Error& error) {
     return text.starts_with(path) ? text : path + ": " + text;
 }
 
-int fail(const std::string& what) {
+int fail(const std::string& what, int code = kFailed) {
     fmt::print(stderr, "citystream-build: {}\n", what);
-    return kFailed;
+    return code;
 }
 
 /// "2GiB", "512MiB", "1000000" to bytes.
@@ -99,6 +101,16 @@ std::optional<city::Vec2> parse_origin(const std::string& text) {
     std::istringstream in(text);
     if (!(in >> origin.x >> comma >> origin.y) || comma != ',' || in >> rest) return std::nullopt;
     return origin;
+}
+
+/// "law" gives nothing.
+Result<std::optional<uint32_t>> parse_page_mips(const std::string& text) {
+    if (text == "law") return std::optional<uint32_t>();
+    uint32_t mips = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), mips);
+    if (error != std::errc() || end != text.data() + text.size() || mips > PAGES_MOST_MIPS)
+        return Error{fmt::format("{} is neither law nor 0 to {}", text, PAGES_MOST_MIPS)};
+    return std::optional(mips);
 }
 
 /// Draws one line on a terminal, nothing elsewhere.
@@ -221,8 +233,9 @@ void print_images(const layers::BuildSummary& summary) {
     if (!summary.images || summary.images->used == 0) return;
     const layers::ImagePreparationReport& r = *summary.images;
     const auto mega = [](uint64_t pixels) { return static_cast<double>(pixels) / 1e6; };
-    fmt::print("  images   {:>12} of {} shown; {:.1f} Mpixel read, {:.1f} as fine as seen, {:.1f} kept; {:.1f} s\n",
-               r.used, r.images, mega(r.decoded_pixels), mega(r.matched_pixels), mega(r.prepared_pixels), r.seconds);
+    fmt::print("  images   {:>12} of {} shown{}; {:.1f} Mpixel read, {:.1f} as fine as seen, {:.1f} kept; {:.1f} s\n",
+               r.used - r.failed, r.images, r.failed > 0 ? fmt::format(", {} could not be read", r.failed) : "",
+               mega(r.decoded_pixels), mega(r.matched_pixels), mega(r.prepared_pixels), r.seconds);
 }
 
 void print_facade_work(const layers::BuildSummary& summary) {
@@ -251,6 +264,7 @@ void print_summary(const layers::BuildSummary& summary, const Arguments& argumen
                 {{"stage", time.stage}, {"seconds", time.seconds}, {"processor_seconds", time.processor_seconds}});
         }
         out["peak_memory_bytes"] = summary.peak_memory_bytes;
+        out["tiles_kept_in_charts"] = summary.tiles_kept_in_charts;
         out["defect_count"] = summary.report.defect_count;
         out["dropped_features"] = summary.report.dropped_features.size();
         out.update(work_json(summary));
@@ -270,68 +284,92 @@ void print_summary(const layers::BuildSummary& summary, const Arguments& argumen
         fmt::print("  charts   {:>12} bytes of {} that tiles share\n", m.chart_index_bytes + m.chart_levels_bytes,
                    m.shared_chart_count);
     }
+    if (summary.tiles_kept_in_charts > 0) {
+        fmt::print("  pages    {:>12} of {} tiles keep their pictures in charts of their own: pages hold no alpha\n",
+                   summary.tiles_kept_in_charts, m.tiles);
+    }
     fmt::print("  archive  {:>12} bytes; {:.1f} s; peak memory {} MiB\n", summary.archive_bytes, summary.seconds,
                summary.peak_memory_bytes >> 20);
     if (summary.report.defect_count == 0) fmt::print("  nothing was skipped\n");
 }
 
-int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
-    layers::BuildOptions options;
+Error wrong_value(std::string_view option, const std::string& why) {
+    return Error{fmt::format("wrong value of {}: {}", option, why)};
+}
+
+/// Values that are texts on the command line.
+Status read_values(Arguments& arguments, layers::BuildOptions& options) {
     const auto memory = parse_bytes(arguments.memory);
+    if (!memory) return wrong_value("--memory-limit", arguments.memory + " is not a size such as 2GiB");
     const auto layer_set = parse_layers(arguments.layers);
+    if (!layer_set) return wrong_value("--layers", arguments.layers + " is not of mesh, facade, atlas; mesh is needed");
+    if ((*layer_set)[static_cast<size_t>(tileset::Layer::kRadiance)])
+        return Error{"this version builds no radiance layer; leave it out of --layers"};
     const auto origin = parse_origin(arguments.origin);
-    if (layer_set && (*layer_set)[static_cast<size_t>(tileset::Layer::kRadiance)]) {
-        fmt::print(stderr, "citystream-build: this version builds no radiance layer; leave it out of --layers\n");
-        return kWrongUsage;
-    }
-    if (!memory || !layer_set || !origin) {
-        fmt::print(stderr, "citystream-build: wrong value of {}\n",
-                   !memory      ? "--memory-limit (such as 2GiB)"
-                   : !layer_set ? "--layers (mesh, facade, atlas; mesh is needed)"
-                                : "--origin (X,Y)");
-        return kWrongUsage;
-    }
+    if (!origin) return wrong_value("--origin", arguments.origin + " is not X,Y");
     const auto saliency = codec::atlas::parse_metric(arguments.saliency);
-    if (!saliency) {
-        fmt::print(stderr, "citystream-build: wrong value of --saliency: {}\n", saliency.error().text());
-        return kWrongUsage;
-    }
+    if (!saliency) return wrong_value("--saliency", saliency.error().text());
     const auto texture_law = layers::parse_texture_law(arguments.texture_law);
-    if (!texture_law) {
-        fmt::print(stderr, "citystream-build: wrong value of --texture-law: {}\n", texture_law.error().text());
-        return kWrongUsage;
+    if (!texture_law) return wrong_value("--texture-law", texture_law.error().text());
+    for (const std::string& text : arguments.aerial) {
+        if (const auto request = layers::parse_aerial(text); !request)
+            return wrong_value("--aerial", request.error().text());
     }
+    options.memory_limit = *memory;
+    options.layers = *layer_set;
+    options.saliency = *saliency;
     options.texture_law = *texture_law;
+    arguments.generator.origin = *origin;
+    return Done{};
+}
+
+/// Charts or pages, and what only one of them has.
+Status read_atlas_form(const Arguments& arguments, layers::BuildOptions& options) {
+    const bool pages = arguments.atlas_form == "pages";
+    if (pages) options.atlas_form = codec::atlas::AtlasForm::kPages;
+    if (!pages && arguments.page_mips) return Error{"--page-mips is of pages: add --atlas-form pages"};
+    if (!pages && arguments.page_shape) return Error{"--page-shape is of pages: add --atlas-form pages"};
+    options.shared_charts = arguments.shared_charts.value_or(pages ? "off" : "on") == "on";
+    if (pages && options.shared_charts) return Error{"--shared-charts on is of charts: pages share nothing"};
+    if (arguments.page_mips) {
+        const auto mips = parse_page_mips(*arguments.page_mips);
+        if (!mips) return wrong_value("--page-mips", mips.error().text());
+        options.page_mips = *mips;
+    }
+    if (!options.page_mips && !options.texture_law.levels)
+        return Error{"--page-mips law: --texture-law " + arguments.texture_law + " has no levels"};
+    if (arguments.page_shape == "power-of-two") options.page_shape = codec::atlas::PageShape::kPowerOfTwo;
+    return Done{};
+}
+
+/// All but the aerial photographs. Error: wrong usage, one line.
+Result<layers::BuildOptions> options_of(Arguments& arguments, ProgressBar& bar) {
+    layers::BuildOptions options;
+    if (const Status read = read_values(arguments, options); !read) return read.error();
+    if (const Status read = read_atlas_form(arguments, options); !read) return read.error();
     options.output = arguments.output;
     options.reference = arguments.reference;
-    options.layers = *layer_set;
     options.jobs = arguments.jobs;
-    options.memory_limit = *memory;
     options.auto_ground = arguments.ground == "auto";
-    for (const std::string& text : arguments.aerial) {
-        auto image = layers::open_aerial(text);
-        if (!image) return fail(image.error().text());
-        options.aerial.push_back(std::move(image).value());
-    }
     options.dress_seed = arguments.dress_seed;
     options.extract_relief = !arguments.no_extract_relief && arguments.generator.textures == 0;
     options.merge_tolerance_mm = arguments.merge_tolerance_mm;
     options.rate_distortion = arguments.rate_distortion;
-    options.saliency = *saliency;
-    if (arguments.atlas_form == "pages") options.atlas_form = codec::atlas::AtlasForm::kPages;
-    options.page_mips = arguments.page_mips;
-    options.shared_charts = arguments.shared_charts.value_or(arguments.atlas_form == "charts" ? "on" : "off") == "on";
     options.description = fmt::format(
         "layers={}{} ground={}{}{}", arguments.layers, arguments.lod.empty() ? "" : " lod=" + arguments.lod,
         arguments.ground, arguments.dress_seed ? fmt::format(" dress={}", *arguments.dress_seed) : std::string(),
         arguments.no_extract_relief ? " extract-relief=no" : "");
     options.cancel = &interrupted;
     options.progress = [&bar](std::string_view stage, uint64_t done, uint64_t total) { bar.show(stage, done, total); };
-    const layers::CitySource source = [&](city::CityHeader& header, city::CityCatalog& catalog,
-                                          city::CityReport& report, const city::CitySink& sink) -> Status {
+    return options;
+}
+
+/// The generator's city, or that of the input files.
+layers::CitySource source_of(const Arguments& arguments, bool generate, ProgressBar& bar) {
+    return [&arguments, &bar, generate](city::CityHeader& header, city::CityCatalog& catalog, city::CityReport& report,
+                                        const city::CitySink& sink) -> Status {
         if (generate) {
             city::GeneratorOptions generator = arguments.generator;
-            generator.origin = *origin;
             generator.progress = [&bar](uint64_t done, uint64_t total) { bar.show("generate", done, total); };
             city::generate_city(generator, header, catalog, report, sink);
             return Done{};
@@ -341,8 +379,18 @@ int build(const Arguments& arguments, bool generate, ProgressBar& bar) {
         input.progress = [&bar](uint64_t done, uint64_t total) { bar.show("read", done, total); };
         return city::read_city(arguments.inputs, input, header, catalog, report, sink);
     };
+}
+
+int build(Arguments& arguments, bool generate, ProgressBar& bar) {
+    auto options = options_of(arguments, bar);
+    if (!options) return fail(options.error().text(), kWrongUsage);
+    for (const std::string& text : arguments.aerial) {
+        auto image = layers::open_aerial(text);
+        if (!image) return fail(image.error().text());
+        options->aerial.push_back(std::move(image).value());
+    }
     city::CityReport report;
-    const auto summary = layers::build_city(options, source, report);
+    const auto summary = layers::build_city(*options, source_of(arguments, generate, bar), report);
     bar.clear();
     if (summary) report = summary->report;
     if (!arguments.report.empty() && !write_report(arguments.report, report))
@@ -407,11 +455,11 @@ void add_build_options(CLI::App& app, Arguments& arguments) {
                  "keep windows, doors and balconies of detailed walls as triangles");
     app.add_option("--merge-tolerance", arguments.merge_tolerance_mm,
                    "facade maps whose displacements differ by at most this many millimetres become one")
-        ->check(CLI::Range(0, 1000))
+        ->check(command_line::number_from(0, 1000))
         ->capture_default_str();
     app.add_option("--rate-distortion", arguments.rate_distortion,
                    "squared error of pictures that a bit on the wire is worth: more for fewer bytes, 0 for none")
-        ->check(CLI::Range(0, 1 << 20))
+        ->check(command_line::number_from(0, 1 << 20))
         ->capture_default_str();
     app.add_option("--shared-charts", arguments.shared_charts,
                    "on: pictures that several tiles show are stored once where that is smaller; of charts only "
@@ -422,9 +470,14 @@ void add_build_options(CLI::App& app, Arguments& arguments) {
                    "with borders")
         ->check(CLI::IsMember({"charts", "pages"}))
         ->capture_default_str();
-    app.add_option("--page-mips", arguments.page_mips, "coarser levels of pages, which are all that distance has")
-        ->check(CLI::Range(0, PAGES_MOST_MIPS))
-        ->capture_default_str();
+    app.add_option("--page-mips", arguments.page_mips,
+                   fmt::format("coarser levels of pages, which are all that distance has; law: as many as "
+                               "--texture-law keeps at each level of the tree [default: {}]",
+                               *layers::BuildOptions().page_mips));
+    app.add_option("--page-shape", arguments.page_shape,
+                   "tight: pages as small as their charts allow; power-of-two: as the paper predicts them, with charts "
+                   "stretched and space filled until every texel is a chart's [default: tight]")
+        ->check(CLI::IsMember({"tight", "power-of-two"}));
     app.add_option("--texture-law", arguments.texture_law,
                    "metres a texel of images: METRES,FACTOR,LEVELS (FACTOR times as long at each level above the "
                    "leaves), thesis (0.05,8,3), or METRES (of leaves; above them half of what the geometry errs by)")
@@ -439,6 +492,7 @@ void add_build_options(CLI::App& app, Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    layers::return_freed_memory();
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
     Arguments arguments;
@@ -464,7 +518,7 @@ int main(int argc, char** argv) {
     generate
         ->add_option("--textures", arguments.generator.textures,
                      "flat walls with this many distinct textures instead of facades with relief; 0 or 56 and more")
-        ->check(CLI::IsMember({0U}) | CLI::Range(city::procedural::kLeastTextures, 100'000'000U))
+        ->check(command_line::word_or("0", command_line::number_from(city::procedural::kLeastTextures, 100'000'000U)))
         ->capture_default_str();
     generate->add_option("--origin", arguments.origin, "X,Y: metres added to every position")->capture_default_str();
     add_build_options(*generate, arguments);
@@ -474,17 +528,10 @@ int main(int argc, char** argv) {
     CLI::App* check = app.add_subcommand("verify", "check every byte of an archive; exit code 1 names each damage");
     check->add_option("ARCHIVE", arguments.archive, "archive (.3tz)")->required();
     check->add_flag("--json", arguments.json, "as JSON");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? 0 : kWrongUsage;
-    }
+    if (const auto ended = command_line::read_arguments(app, argc, argv)) return *ended;
     if (show->parsed()) return info(arguments);
     if (check->parsed()) return verify(arguments, bar);
-    if (arguments.output.empty() || (!generate->parsed() && arguments.inputs.empty())) {
-        fmt::print(stderr, "citystream-build: {} is missing; see --help\n",
-                   arguments.output.empty() ? "-o CITY.3tz" : "INPUT");
-        return kWrongUsage;
-    }
+    if (arguments.output.empty()) return fail("-o CITY.3tz is missing; see --help", kWrongUsage);
+    if (!generate->parsed() && arguments.inputs.empty()) return fail("INPUT is missing; see --help", kWrongUsage);
     return build(arguments, generate->parsed(), bar);
 }

@@ -52,16 +52,4 @@ Result<uint64_t> parse_load_bytes(const std::string& text) {
     return static_cast<uint64_t>(*bytes);
 }
 
-Result<std::pair<uint32_t, uint32_t>> parse_load_size(const std::string& text) {
-    const auto bad = [&] { return Error{"'" + text + "' is no picture size like 1280x720 (1 to 16384 each)"}; };
-    const char* const end = text.data() + text.size();
-    uint32_t width = 0, height = 0;
-    const auto first = std::from_chars(text.data(), end, width);
-    if (first.ec != std::errc() || first.ptr == end || *first.ptr != 'x') return bad();
-    const auto second = std::from_chars(first.ptr + 1, end, height);
-    if (second.ec != std::errc() || second.ptr != end) return bad();
-    if (width < 1 || height < 1 || width > 16384 || height > 16384) return bad();
-    return std::pair(width, height);
-}
-
 }  // namespace citystream::client

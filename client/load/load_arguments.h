@@ -1,9 +1,8 @@
-// Reading what people type: durations, byte amounts, picture sizes.
+// Reading what people type: durations, byte amounts.
 #pragma once
 
 #include <cstdint>
 #include <string>
-#include <utility>
 
 #include "codec/result.h"
 
@@ -13,7 +12,5 @@ namespace citystream::client {
 Result<double> parse_load_duration(const std::string& text);
 /// "512MiB", "1GiB", "64KiB", "500MB", "1000" (bytes): at least 1.
 Result<uint64_t> parse_load_bytes(const std::string& text);
-/// "1280x720": 1 to 16384 each.
-Result<std::pair<uint32_t, uint32_t>> parse_load_size(const std::string& text);
 
 }  // namespace citystream::client

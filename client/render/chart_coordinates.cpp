@@ -13,9 +13,9 @@ namespace {
 using codec::mesh::MeshLayerView;
 
 constexpr int32_t kRepeat = 1 << 16;  // of mesh texture coordinates
-constexpr int32_t kPackedStep = kRepeat / WRAP_PLACE_ONE;
+constexpr int64_t kPackedStep = kRepeat / WRAP_PLACE_ONE;
 constexpr uint32_t kUniformPages = WRAP_PLACE_MASK + 1;
-static_assert(codec::atlas::kWrapStep * WRAP_PLACE_ONE == 1);
+static_assert(codec::atlas::kWrapStep * kRepeat == kPackedStep);
 
 struct ChartWords {
     uint32_t u = 0, v = 0, flags = 0;
@@ -74,11 +74,12 @@ std::vector<uint32_t> make_attributes(const MeshLayerView& mesh, const ChartTabl
     return words;
 }
 
-// Place of a corner along an axis as the shaders count it, in steps of the packed coordinate.
-std::optional<uint32_t> packed_place(int32_t texcoord, int32_t base, bool repeats) {
+// A corner's word of an axis; nothing: packed, its place would be another.
+std::optional<uint32_t> packed_word(uint32_t chart, int32_t texcoord, int32_t base, bool repeats) {
     const int64_t place = int64_t{texcoord} - (repeats ? base & ~(kRepeat - 1) : 0);
-    if (place < 0 || place % kPackedStep != 0 || place / kPackedStep > WRAP_PLACE_MASK) return std::nullopt;
-    return static_cast<uint32_t>(place / kPackedStep);
+    const auto word = codec::atlas::move_wrap_axis(chart, static_cast<double>(place) / kRepeat);
+    if (!word || codec::atlas::decode_wrap_axis(*word, 0).place * kPackedStep != place) return std::nullopt;
+    return *word;
 }
 
 // Empty: a place is not on the packed grid.
@@ -96,10 +97,10 @@ std::optional<std::vector<uint32_t>> make_packed(const MeshLayerView& mesh, cons
                 continue;
             }
             mesh.texcoord(mesh.index(corner), triangle, texcoord);
-            const auto u = packed_place(texcoord[0], base[0], (chart.flags & PAGES_CHART_REPEAT_U) != 0);
-            const auto v = packed_place(texcoord[1], base[1], (chart.flags & PAGES_CHART_REPEAT_V) != 0);
+            const auto u = packed_word(chart.u, texcoord[0], base[0], (chart.flags & PAGES_CHART_REPEAT_U) != 0);
+            const auto v = packed_word(chart.v, texcoord[1], base[1], (chart.flags & PAGES_CHART_REPEAT_V) != 0);
             if (!u || !v) return std::nullopt;
-            words.insert(words.end(), {chart.u | *u, chart.v | *v});
+            words.insert(words.end(), {*u, *v});
         }
     }
     return words;

@@ -4,42 +4,58 @@
 
 namespace citystream::client {
 
-void CoordinateLayers::destroy() {
-    destroy_slot_pool(pool_);
-    made_.clear();
-}
-
-CoordinateLayers::Coordinates CoordinateLayers::make(const TileDraw& tile, const SlotPool& layers) {
+CoordinateLayers::Coordinates CoordinateLayers::make(const TileDraw& tile, SlotPool& pool) {
     if (tile.mesh == kNoLayer || tile.mesh_step_words.empty()) return {};
-    const std::vector<uint32_t> header = read_words(layers, tile.atlas, PAGES_HEADER_WORDS);
-    const std::vector<uint32_t> table = read_words(layers, tile.atlas, page_table_words(header));
-    const std::vector<uint32_t> mesh = read_words(layers, tile.mesh, tile.mesh_step_words[0]);
+    const std::vector<uint32_t> header = read_words(pool, tile.atlas, PAGES_HEADER_WORDS);
+    const std::vector<uint32_t> table = read_words(pool, tile.atlas, page_table_words(header));
+    const std::vector<uint32_t> mesh = read_words(pool, tile.mesh, tile.mesh_step_words[0]);
     auto coordinates = make_chart_coordinates(wanted_, mesh, table);
     if (!coordinates) return {};
-    Coordinates made{coordinates->transport, kNoLayer, std::move(coordinates->runs)};
+    Coordinates made{coordinates->transport, kNoLayer, std::move(coordinates->runs), 0};
     if (coordinates->words.empty()) return made;
-    made.layer = create_layer(pool_);
-    if (append_words(pool_, made.layer, coordinates->words)) return made;
-    destroy_layer(pool_, made.layer);
-    return {};
+    made.layer = create_layer(pool);
+    const uint64_t slots = slots_to_append(pool, made.layer, coordinates->words.size());
+    if (append_words(pool, made.layer, coordinates->words)) {
+        slots_used_ += slots;
+        return made;
+    }
+    destroy_layer(pool, made.layer);
+    return {ChartTransport::kTable, kNoLayer, {}, slots};
 }
 
-const CoordinateLayers::Coordinates& CoordinateLayers::of(const TileDraw& tile, const SlotPool& layers) {
+const CoordinateLayers::Coordinates& CoordinateLayers::of(const TileDraw& tile, SlotPool& pool) {
     static const Coordinates kNone;
     if (wanted_ == ChartTransport::kTable) return kNone;
-    const std::pair key(tile.mesh, tile.atlas);
-    auto found = made_.find(key);
-    if (found == made_.end()) found = made_.emplace(key, make(tile, layers)).first;
-    return found->second;
+    const auto [at, is_new] = made_.try_emplace(std::pair(tile.mesh, tile.atlas));
+    Coordinates& found = at->second;
+    const bool has_room_now = found.refused_slots != 0 && found.refused_slots <= free_slots(pool);
+    if (is_new || has_room_now) found = make(tile, pool);
+    return found;
 }
 
-void CoordinateLayers::forget(LayerId layer) {
+void CoordinateLayers::give_back(const Coordinates& coordinates, SlotPool& pool) {
+    if (coordinates.layer == kNoLayer) return;
+    slots_used_ -= pool.layers[coordinates.layer].slots.size();
+    destroy_layer(pool, coordinates.layer);
+}
+
+void CoordinateLayers::forget(LayerId layer, SlotPool& pool) {
     std::erase_if(made_, [&](const auto& entry) {
         const auto& [key, coordinates] = entry;
         if (key.first != layer && key.second != layer) return false;
-        if (coordinates.layer != kNoLayer) destroy_layer(pool_, coordinates.layer);
+        give_back(coordinates, pool);
         return true;
     });
+}
+
+void CoordinateLayers::make_room(uint64_t slots, SlotPool& pool) {
+    for (auto& [key, coordinates] : made_) {
+        if (free_slots(pool) >= slots) return;
+        if (coordinates.layer == kNoLayer) continue;
+        const uint64_t held = pool.layers[coordinates.layer].slots.size();
+        give_back(coordinates, pool);
+        coordinates = {ChartTransport::kTable, kNoLayer, {}, held};
+    }
 }
 
 }  // namespace citystream::client

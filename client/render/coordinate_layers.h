@@ -1,6 +1,7 @@
 // The coordinates that the transports of chart_transport.h need beside the layers themselves: made from the words in
-// GPU memory when a tile whose atlas is in pages is first drawn, kept until its mesh or its atlas goes. Memory of their
-// own, in slots: at most `budget_bytes`, beside the budget of the layers.
+// GPU memory when a tile whose atlas is in pages is first drawn, kept until its mesh or its atlas goes or the layers
+// need their room. They lie in slots of the pool that holds the layers, so its budget holds for both; what the
+// streamer wants comes first, as a tile without coordinates is drawn by its chart table all the same.
 #pragma once
 
 #include <map>
@@ -12,38 +13,36 @@
 
 namespace citystream::client {
 
-/// One thread, and as a SlotPool nothing may be in flight. With kTable it makes and takes nothing.
+/// One thread, and as a SlotPool nothing may be in flight. Every call is given the same pool. With kTable it makes and
+/// takes nothing.
 class CoordinateLayers {
   public:
     CoordinateLayers() = default;
-    CoordinateLayers(const Device& device, ChartTransport wanted, uint64_t budget_bytes)
-        : wanted_(wanted), pool_(create_slot_pool(device, budget_bytes)) {}
-    CoordinateLayers(const CoordinateLayers&) = delete;
-    CoordinateLayers& operator=(const CoordinateLayers&) = delete;
-    CoordinateLayers(CoordinateLayers&&) = default;
-    CoordinateLayers& operator=(CoordinateLayers&&) = default;
-    /// Before the device goes.
-    void destroy();
+    explicit CoordinateLayers(ChartTransport wanted) : wanted_(wanted) {}
 
     struct Coordinates {
         ChartTransport transport = ChartTransport::kTable;  ///< that the tile takes; another than `wanted`: it had to
-        LayerId layer = kNoLayer;                           ///< of pool()
+        LayerId layer = kNoLayer;                           ///< of the pool
         std::vector<ChartRun> runs;                         ///< kUniform
+        uint64_t refused_slots = 0;                         ///< kTable because so many were not free
     };
-    /// Of a tile whose atlas is in pages. Where memory does not hold them the tile takes kTable. Valid
+    /// Of a tile whose atlas is in pages. Where free slots do not hold them the tile takes kTable until they do. Valid
     /// until the next call that is not const.
-    const Coordinates& of(const TileDraw& tile, const SlotPool& layers);
+    const Coordinates& of(const TileDraw& tile, SlotPool& pool);
     /// The layer goes, or its number is given to another.
-    void forget(LayerId layer);
+    void forget(LayerId layer, SlotPool& pool);
+    /// Gives slots back until `slots` are free, or none are left here.
+    void make_room(uint64_t slots, SlotPool& pool);
 
     ChartTransport wanted() const { return wanted_; }
-    const SlotPool& pool() const { return pool_; }
+    uint64_t slots_used() const { return slots_used_; }
 
   private:
-    Coordinates make(const TileDraw& tile, const SlotPool& layers);
+    Coordinates make(const TileDraw& tile, SlotPool& pool);
+    void give_back(const Coordinates& coordinates, SlotPool& pool);
 
     ChartTransport wanted_ = ChartTransport::kTable;
-    SlotPool pool_;
+    uint64_t slots_used_ = 0;
     std::map<std::pair<LayerId, LayerId>, Coordinates> made_;  ///< by mesh and atlas
 };
 

@@ -48,8 +48,8 @@ FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell
     return constants;
 }
 
-uint64_t FrameTables::bound(const SlotPool& pool, const SlotPool& coordinates, std::span<const TileDraw> tiles) {
-    uint64_t words = (coordinates.slots_used + coordinates.layers.size()) * 2;
+uint64_t FrameTables::bound(const SlotPool& pool, std::span<const TileDraw> tiles) {
+    uint64_t words = 0;
     for (const TileDraw& tile : tiles) {
         words += (sizeof(FacadeTableHead) + tile.facade_maps.size() * sizeof(FacadeMapEntry)) / 4 +
                  tile.map_of_placement.size() + 4;
@@ -66,22 +66,22 @@ VkDeviceAddress FrameTables::append(const void* table, size_t bytes) {
     return address;
 }
 
-Status FrameTables::refer(const SlotPool& pool, LayerId id, uint out[2]) {
+Status FrameTables::refer(LayerId id, uint out[2]) {
     out[0] = out[1] = 0;
     if (id == kNoLayer) return Done{};
-    if (!is_live(pool, id) || pool.layers[id].slots.empty()) {
+    if (!is_live(pool_, id) || pool_.layers[id].slots.empty()) {
         return Error{"a tile names layer " + std::to_string(id) + ", which holds nothing"};
     }
-    const SlotLayer& layer = pool.layers[id];
-    if (is_contiguous(pool, layer)) {
-        split_address(slot_address(pool, layer.slots[0]) | LAYER_REF_DIRECT, out);
+    const SlotLayer& layer = pool_.layers[id];
+    if (is_contiguous(pool_, layer)) {
+        split_address(slot_address(pool_, layer.slots[0]) | LAYER_REF_DIRECT, out);
         return Done{};
     }
     is_direct_ = false;
-    auto [found, fresh] = references_.try_emplace({&pool, id}, 0);
+    auto [found, fresh] = references_.try_emplace(id, 0);
     if (fresh) {
         std::vector<VkDeviceAddress> pages(layer.slots.size());
-        for (size_t i = 0; i < pages.size(); ++i) pages[i] = slot_address(pool, layer.slots[i]);
+        for (size_t i = 0; i < pages.size(); ++i) pages[i] = slot_address(pool_, layer.slots[i]);
         found->second = append(pages.data(), pages.size() * sizeof pages[0]);
     }
     split_address(found->second, out);
@@ -118,10 +118,6 @@ Status FrameTables::add_facades(const TileDraw& tile, TileConstants& constants) 
     split_address(append(&head, sizeof head), constants.facade_maps);
     append(maps.data(), maps.size() * sizeof(FacadeMapEntry));
     return Done{};
-}
-
-Status FrameTables::add_coordinates(const SlotPool& pool, LayerId layer, TileConstants& constants) {
-    return refer(pool, layer, constants.shared_charts);
 }
 
 Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCell& camera) {

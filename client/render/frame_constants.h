@@ -4,7 +4,6 @@
 
 #include <map>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "client/render/draw_layout.h"
@@ -39,19 +38,18 @@ class FrameTables {
     /// Fails when a layer that the tile names does not live, a placement shows none of its maps, a shared chart is none
     /// of the tile's, or when the tile is too far away for 32-bit grid units (1,000 km).
     Result<TileConstants> add_tile(const TileDraw& tile, const CameraCell& camera);
-    /// Names a coordinate layer of another pool in the constants of the tile added last.
-    Status add_coordinates(const SlotPool& pool, LayerId layer, TileConstants& constants);
+    /// Names a coordinate layer in the constants of the tile added last.
+    Status add_coordinates(LayerId layer, TileConstants& constants) { return refer(layer, constants.shared_charts); }
     /// Whether every layer that the tile added last names lies in one piece.
     bool is_direct() const { return is_direct_; }
     std::span<const uint32_t> words() const { return words_; }
 
-    /// Upper bound of the words that `tiles` take, and all layers of `coordinates`.
-    static uint64_t bound(const SlotPool& pool, const SlotPool& coordinates, std::span<const TileDraw> tiles);
+    /// Upper bound of the words that `tiles` take.
+    static uint64_t bound(const SlotPool& pool, std::span<const TileDraw> tiles);
 
   private:
     VkDeviceAddress append(const void* table, size_t bytes);
-    Status refer(LayerId layer, uint out[2]) { return refer(pool_, layer, out); }
-    Status refer(const SlotPool& pool, LayerId layer, uint out[2]);
+    Status refer(LayerId layer, uint out[2]);
     Status add_shared_charts(const TileDraw& tile, TileConstants& constants);
     Status add_facades(const TileDraw& tile, TileConstants& constants);
 
@@ -61,7 +59,7 @@ class FrameTables {
     FacadeTableHead head_;
     std::vector<uint32_t> words_;
     bool is_direct_ = true;
-    std::map<std::pair<const SlotPool*, LayerId>, VkDeviceAddress> references_;
+    std::map<LayerId, VkDeviceAddress> references_;
 };
 
 }  // namespace citystream::client

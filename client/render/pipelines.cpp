@@ -5,6 +5,7 @@
 
 #include "client/render/draw_layout.h"
 #include "client/render/facade_shaders.h"
+#include "client/render/graphics_pipeline.h"
 #include "shaders/facade_occluder.vert.h"
 #include "shaders/facade_resolve.frag.h"
 #include "shaders/facade_resolve.vert.h"
@@ -13,15 +14,6 @@
 
 namespace citystream::client {
 namespace {
-
-VkShaderModule create_module(const Device& device, std::span<const uint32_t> code) {
-    auto info = vk_struct<VkShaderModuleCreateInfo>(VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO);
-    info.codeSize = code.size_bytes();
-    info.pCode = code.data();
-    VkShaderModule module = VK_NULL_HANDLE;
-    vk_check(vkCreateShaderModule(device.handle, &info, nullptr, &module), "vkCreateShaderModule");
-    return module;
-}
 
 VkPipelineLayout create_layout(const Device& device, VkShaderStageFlags stages, uint32_t constant_bytes) {
     const VkPushConstantRange range{stages, 0, constant_bytes};
@@ -57,81 +49,9 @@ ShaderConstants constants_of(const PassVariant& variant) {
             static_cast<float>(1 / variant.tint.step_metres)};
 }
 
-VkPipelineShaderStageCreateInfo stage_info(VkShaderStageFlagBits stage, VkShaderModule module,
-                                           const VkSpecializationInfo* constants = nullptr) {
-    auto info = vk_struct<VkPipelineShaderStageCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO);
-    info.stage = stage;
-    info.module = module;
-    info.pName = "main";
-    info.pSpecializationInfo = constants;
-    return info;
-}
-
-// Vertices are pulled from layers.
-constexpr VkPipelineVertexInputStateCreateInfo kNoAttributes = {
-    VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO, nullptr, 0, 0, nullptr, 0, nullptr};
-
-// What a drawing pass writes; all test depth.
-struct Writes {
-    bool colour = true, depth = true;
-};
-
-VkPipeline create_graphics_pipeline(const Device& device, VkRenderPass pass, VkPipelineLayout layout,
-                                    std::span<const VkPipelineShaderStageCreateInfo> stages, Writes writes,
-                                    const VkPipelineVertexInputStateCreateInfo& vertex_input = kNoAttributes) {
-    auto assembly =
-        vk_struct<VkPipelineInputAssemblyStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO);
-    assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
-    auto viewport = vk_struct<VkPipelineViewportStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO);
-    viewport.viewportCount = viewport.scissorCount = 1;
-    auto raster =
-        vk_struct<VkPipelineRasterizationStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO);
-    raster.cullMode = VK_CULL_MODE_NONE;
-    raster.frontFace = VK_FRONT_FACE_COUNTER_CLOCKWISE;
-    raster.lineWidth = 1.0f;
-    auto samples =
-        vk_struct<VkPipelineMultisampleStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO);
-    samples.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
-    auto depth =
-        vk_struct<VkPipelineDepthStencilStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
-    depth.depthTestEnable = VK_TRUE;
-    depth.depthWriteEnable = writes.depth ? VK_TRUE : VK_FALSE;
-    depth.depthCompareOp = VK_COMPARE_OP_GREATER;
-    VkPipelineColorBlendAttachmentState opaque{};
-    opaque.colorWriteMask = !writes.colour ? 0
-                                           : VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |
-                                                 VK_COLOR_COMPONENT_B_BIT | VK_COLOR_COMPONENT_A_BIT;
-    auto blend =
-        vk_struct<VkPipelineColorBlendStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO);
-    blend.attachmentCount = 1;
-    blend.pAttachments = &opaque;
-    const VkDynamicState dynamic_states[2] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR};
-    auto dynamic = vk_struct<VkPipelineDynamicStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO);
-    dynamic.dynamicStateCount = 2;
-    dynamic.pDynamicStates = dynamic_states;
-
-    auto info = vk_struct<VkGraphicsPipelineCreateInfo>(VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO);
-    info.stageCount = static_cast<uint32_t>(stages.size());
-    info.pStages = stages.data();
-    info.pVertexInputState = &vertex_input;
-    info.pInputAssemblyState = &assembly;
-    info.pViewportState = &viewport;
-    info.pRasterizationState = &raster;
-    info.pMultisampleState = &samples;
-    info.pDepthStencilState = &depth;
-    info.pColorBlendState = &blend;
-    info.pDynamicState = &dynamic;
-    info.layout = layout;
-    info.renderPass = pass;
-    VkPipeline pipeline = VK_NULL_HANDLE;
-    vk_check(vkCreateGraphicsPipelines(device.handle, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline),
-             "vkCreateGraphicsPipelines");
-    return pipeline;
-}
-
 // `fragment` empty: depth only.
 Pass create_drawing_pass(const Device& device, VkRenderPass render_pass, std::span<const uint32_t> vertex,
-                         std::span<const uint32_t> fragment, const PassVariant& variant, Writes writes = {},
+                         std::span<const uint32_t> fragment, const PassVariant& variant, PassWrites writes = {},
                          uint32_t constant_bytes = sizeof(DrawConstants)) {
     Pass pass;
     const ShaderConstants values = constants_of(variant);
@@ -142,11 +62,11 @@ Pass create_drawing_pass(const Device& device, VkRenderPass render_pass, std::sp
         for (VkShaderModule module : modules) vkDestroyShaderModule(device.handle, module, nullptr);
     };
     try {
-        modules[0] = create_module(device, vertex);
-        if (!fragment.empty()) modules[1] = create_module(device, fragment);
+        modules[0] = create_shader_module(device, vertex);
+        if (!fragment.empty()) modules[1] = create_shader_module(device, fragment);
         const std::array<VkPipelineShaderStageCreateInfo, 2> stages = {
-            stage_info(VK_SHADER_STAGE_VERTEX_BIT, modules[0], &constants),
-            stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], &constants)};
+            shader_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[0], &constants),
+            shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1], &constants)};
         pass.layout = create_layout(device, VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT, constant_bytes);
         pass.handle = create_graphics_pipeline(device, render_pass, pass.layout,
                                                std::span(stages).first(fragment.empty() ? 1 : 2), writes);
@@ -188,22 +108,11 @@ Pass create_facade_resolve_pass(const Device& device, VkRenderPass render_pass) 
                                sizeof(FacadeTableHead));
 }
 
-VkPipeline create_attribute_pipeline(const Device& device, VkRenderPass pass, VkPipelineLayout layout,
-                                     std::span<const uint32_t> vertex, std::span<const uint32_t> fragment,
-                                     const VkPipelineVertexInputStateCreateInfo& attributes) {
-    const std::array<VkShaderModule, 2> modules = {create_module(device, vertex), create_module(device, fragment)};
-    const std::array<VkPipelineShaderStageCreateInfo, 2> stages = {
-        stage_info(VK_SHADER_STAGE_VERTEX_BIT, modules[0]), stage_info(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1])};
-    const VkPipeline pipeline = create_graphics_pipeline(device, pass, layout, stages, {}, attributes);
-    for (VkShaderModule module : modules) vkDestroyShaderModule(device.handle, module, nullptr);
-    return pipeline;
-}
-
 Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes) {
     Pass pass;
-    VkShaderModule module = create_module(device, code);
+    VkShaderModule module = create_shader_module(device, code);
     auto info = vk_struct<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
-    info.stage = stage_info(VK_SHADER_STAGE_COMPUTE_BIT, module);
+    info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module);
     VkResult result = VK_SUCCESS;
     try {
         pass.layout = create_layout(device, VK_SHADER_STAGE_COMPUTE_BIT, constant_bytes);

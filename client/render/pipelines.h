@@ -44,11 +44,6 @@ Pass create_facade_occluder_pass(const Device& device, VkRenderPass pass, const 
 Pass create_facade_resolve_pass(const Device& device, VkRenderPass pass);
 constexpr uint32_t kFacadeIndices = 18, kOccluderIndices = 6;
 std::span<const uint16_t> facade_indices();
-/// A pipeline of the same state as the drawing passes with shaders, attributes and a layout of the caller's: what they
-/// are measured against.
-VkPipeline create_attribute_pipeline(const Device& device, VkRenderPass pass, VkPipelineLayout layout,
-                                     std::span<const uint32_t> vertex, std::span<const uint32_t> fragment,
-                                     const VkPipelineVertexInputStateCreateInfo& attributes);
 /// A compute pipeline with `constant_bytes` of push constants.
 Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes);
 void destroy_pass(const Device& device, Pass& pass);

@@ -133,13 +133,19 @@ LayerId create_layer(SlotPool& pool) {
     return id;
 }
 
+uint64_t slots_to_append(const SlotPool& pool, LayerId id, uint64_t words) {
+    if (!is_live(pool, id)) return 0;
+    const SlotLayer& layer = pool.layers[id];
+    return (layer.words + words + kSlotWords - 1) / kSlotWords - layer.slots.size();
+}
+
 Status append_words(SlotPool& pool, LayerId id, std::span<const uint32_t> words) {
     if (!is_live(pool, id)) return Error{"append to a layer that does not exist"};
     SlotLayer& layer = pool.layers[id];
-    const uint64_t needed = (layer.words + words.size() + kSlotWords - 1) / kSlotWords - layer.slots.size();
-    if (needed > pool.slot_count - pool.slots_used) {
+    const uint64_t needed = slots_to_append(pool, id, words.size());
+    if (needed > free_slots(pool)) {
         return Error{"GPU budget exhausted: " + std::to_string(needed) + " slots needed, " +
-                     std::to_string(pool.slot_count - pool.slots_used) + " free"};
+                     std::to_string(free_slots(pool)) + " free"};
     }
     take_slots(pool, layer, needed);
     advance_hint(pool);

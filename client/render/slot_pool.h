@@ -42,6 +42,11 @@ SlotPool create_slot_pool(const Device& device, uint64_t budget_bytes, bool allo
 void destroy_slot_pool(SlotPool& pool);
 
 LayerId create_layer(SlotPool& pool);
+/// Slots that appending so many words takes; 0 for a layer that is not live.
+uint64_t slots_to_append(const SlotPool& pool, LayerId layer, uint64_t words);
+inline uint64_t free_slots(const SlotPool& pool) {
+    return pool.slot_count - pool.slots_used;
+}
 /// Appends words, filling the layer's last slot first. Fails, and changes nothing, when free slots do not suffice or
 /// `layer` is not live.
 Status append_words(SlotPool& pool, LayerId layer, std::span<const uint32_t> words);

@@ -13,13 +13,16 @@ namespace citystream::client {
 #define TWIN_MESH_WORDS \
     12 /* a corner: index, position xyz, packed normal, unfolded normal xyz, texcoord uv, atlas chart, unused */
 #define TWIN_RAY_WORDS 6 /* origin, direction (float bits) */
-#define TWIN_HIT_WORDS 4 /* hit, t (float bits), label, axis | sign > 0 << 8 */
+#define TWIN_WRAP_INPUT_WORDS \
+    6 /* packed coordinate uv, border | u clamps << 8 | v clamps << 9, a place uv and a level (float bits) */
+#define TWIN_WRAP_WORDS 8 /* float bits: frame, packed place uv, texel uv of the place of the input */
+#define TWIN_HIT_WORDS 4  /* hit, t (float bits), label, axis | sign > 0 << 8 */
 
 struct TwinConstants {
     uint layer[2]; /* reference as in TileConstants */
     uint input_words[2];
     uint output_words[2];
-    uint count;  /* corners, texels or rays */
+    uint count;  /* corners, texels, places or rays */
     uint first;  /* mesh: resident steps; atlas: chart */
     uint second; /* atlas: mip */
     uint mesh_step_begin[DRAW_MESH_STEPS - 1];

@@ -87,7 +87,7 @@ class Renderer final : public VulkanRenderer {
     LayerId create() override { return create_layer(pool_); }
     Status append(LayerId layer, std::span<const uint32_t> words) override;
     void destroy(LayerId layer) override {
-        coordinates_.forget(layer);
+        coordinates_.forget(layer, pool_);
         destroy_layer(pool_, layer);
     }
 
@@ -164,7 +164,6 @@ Renderer::~Renderer() {
     if (device_.handle != VK_NULL_HANDLE) {
         vkDeviceWaitIdle(device_.handle);
         destroy_slot_pool(pool_);
-        coordinates_.destroy();
         destroy_frame_target(device_, target_);
         const auto destroy = [&](Pass& pass) { destroy_pass(device_, pass); };
         destroy(resolve_);
@@ -198,7 +197,7 @@ Status Renderer::start() {
     // Software drivers test depth before a fragment shader only where that writes none.
     keyed_facades_ = device_.has_fragment_atomics64 && options_.keyed_facades.value_or(device_.is_cpu);
     pool_ = create_slot_pool(device_, options_.gpu_budget_bytes);
-    coordinates_ = CoordinateLayers(device_, options_.chart_transport, options_.gpu_budget_bytes);
+    coordinates_ = CoordinateLayers(options_.chart_transport);
     target_ = create_frame_target(device_, options_.width, options_.height, options_.supersample);
     if (options_.supersample > 1) filter_ = create_compute_pass(device_, k_box_filter_comp, sizeof(FilterConstants));
     auto queries = vk_struct<VkQueryPoolCreateInfo>(VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO);
@@ -216,6 +215,7 @@ uint64_t Renderer::frame_buffer_bytes() const {
 Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
     try {
         const bool is_begin = is_live(pool_, layer) && pool_.layers[layer].words == 0;
+        coordinates_.make_room(slots_to_append(pool_, layer, words.size()), pool_);
         Status status = append_words(pool_, layer, words);
         if (is_begin && status.ok()) {
             map_facts_.resize(pool_.layers.size());
@@ -347,7 +347,7 @@ Result<Renderer::DrawnTile> Renderer::add_to_tables(FrameTables& tables, const T
     DrawnTile drawn{&tile, *constants, casters_of(tile), {}, nullptr};
     if (in_pages(tile)) {
         const CoordinateLayers::Coordinates& coordinates = coordinates_.of(tile, pool_);
-        const Status named = tables.add_coordinates(coordinates_.pool(), coordinates.layer, drawn.constants);
+        const Status named = tables.add_coordinates(coordinates.layer, drawn.constants);
         if (!named) return named.error();
         drawn.mesh.form = codec::atlas::AtlasForm::kPages;
         drawn.mesh.transport = coordinates.transport;
@@ -366,8 +366,8 @@ Status Renderer::write_tables(const Camera& camera, std::span<const TileDraw> ti
     for (const TileDraw& tile : tiles) {
         if (in_pages(tile)) coordinates_.of(tile, pool_);
     }
-    counts_.coordinate_bytes = coordinates_.pool().slots_used * kSlotBytes;
-    ensure_tables(FrameTables::bound(pool_, coordinates_.pool(), tiles));
+    counts_.coordinate_bytes = coordinates_.slots_used() * kSlotBytes;
+    ensure_tables(FrameTables::bound(pool_, tiles));
     const CameraCell cell = camera_cell(camera.position);
     frame_ = make_frame_constants(camera, cell, options_.facade_tint);
     FrameTables tables(pool_, tables_.address, map_facts_, facade_table_head());

@@ -27,8 +27,8 @@ struct RendererOptions {
     uint32_t facade_samples = kFacadeSamples;
     /// Facade hits as 64-bit keys instead of depth writes (facade.frag.glsl); empty: where the device is faster so.
     std::optional<bool> keyed_facades;
-    /// How charts in pages come to the vertex shader. Coordinates of kAttribute and kPacked take memory beside the
-    /// budget, at most as much again (FrameCounts).
+    /// How charts in pages come to the vertex shader. Coordinates of kAttribute and kPacked take room that
+    /// layers leave in the budget (FrameCounts).
     ChartTransport chart_transport = ChartTransport::kTable;
     codec::atlas::FacadeTint facade_tint;  ///< of walls; none by default
     bool validation = false;               ///< Khronos validation with synchronization validation; messages are counted

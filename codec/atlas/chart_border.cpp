@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <string>
 
 namespace citystream::codec::atlas {
 
@@ -47,26 +46,6 @@ uint32_t alignment_unit(uint32_t mips, bool blocks, bool packed_coordinates) {
     const uint32_t texels = 1u << mips;
     if (blocks) return 4 * texels;
     return packed_coordinates ? std::max(4u, texels) : texels;
-}
-
-Status check_alignment(const Rectangle& padded, uint32_t unit) {
-    if (padded.area() == 0) return Error{"chart is empty"};
-    const auto aligned = [unit](uint32_t value) { return value % unit == 0; };
-    if (!aligned(padded.width) || !aligned(padded.height)) {
-        return Error{"chart of " + std::to_string(padded.width) + " x " + std::to_string(padded.height) +
-                     " texels is no multiple of " + std::to_string(unit)};
-    }
-    if (!aligned(padded.x) || !aligned(padded.y)) {
-        return Error{"chart origin " + std::to_string(padded.x) + ", " + std::to_string(padded.y) +
-                     " is no multiple of " + std::to_string(unit)};
-    }
-    return Done{};
-}
-
-ClampRange clamp_range(uint32_t size, uint32_t level) {
-    assert(size > 0 && level < 32);
-    const double half = std::min(0.5, 0.5 * static_cast<double>(uint64_t{1} << level) / size);
-    return {half, 1 - half};
 }
 
 std::vector<uint8_t> add_border(std::span<const uint8_t> texels, RectangleSize interior, uint32_t channels,

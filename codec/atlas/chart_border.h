@@ -1,7 +1,7 @@
 // Borders around charts in a common image, so that filtering and coarser mips see the chart itself beyond its edges;
 // and the alignment that keeps a mip's texels and blocks from mixing charts.
 //
-// Source: "Space-Optimized Texture Atlases" 8.1.4 (half-texel clamp), 8.1.5 with Equation 3 (border), 8.1.6 with
+// Source: "Space-Optimized Texture Atlases" 8.1.5 with Equation 3 (border), 8.1.6 with
 // Equation 4 (alignment), as corrected in the notes: Equation 4 reads 4 a (M + 1) and gives 12 at M = 2, which breaks
 // blocks; the text's 4, 8, 16 are 4 a 2^M, for sizes and origins alike.
 #pragma once
@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "codec/atlas/rectangle_packing.h"
-#include "codec/result.h"
 
 namespace citystream::codec::atlas {
 
@@ -49,16 +48,6 @@ uint64_t border_cost(RectangleSize interior, ChartBorder border);
 /// What origins and sizes of padded charts are multiples of: 4 * 2^M for block compression, else 2^M; with packed
 /// coordinates (wrap_coordinate.h) at least 4.
 uint32_t alignment_unit(uint32_t mips, bool blocks, bool packed_coordinates);
-
-/// Refuses a padded chart whose origin or size is no multiple of `unit`, or that is empty.
-Status check_alignment(const Rectangle& padded, uint32_t unit);
-
-/// Where the sampler may go along an axis of `size` texels at a mip level, in 0..1 of the interior: half a texel of
-/// that level from both ends; a level coarser than the chart gives its middle.
-struct ClampRange {
-    double low, high;
-};
-ClampRange clamp_range(uint32_t size, uint32_t level);
 
 /// The padded image: row by row from the bottom, `channels` bytes a texel. Beyond the edges of a repeating axis the
 /// tile goes on (also where the border is longer than the tile), beyond the others the edge texel is repeated.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <numeric>
 
 namespace citystream::codec::atlas {
 
@@ -17,10 +16,6 @@ uint64_t mixed(uint64_t value) {
     value = (value ^ value >> 32) * kFirst;
     value = (value ^ value >> 29) * kSecond;
     return value ^ value >> 32;
-}
-
-bool equal_chains(const BlockChain& a, const BlockChain& b) {
-    return a.shape == b.shape && std::equal(a.words.begin(), a.words.end(), b.words.begin(), b.words.end());
 }
 
 }  // namespace
@@ -50,35 +45,6 @@ ContentHash content_hash(const BlockChain& chain) {
     for (; i + 1 < chain.words.size(); i += 2) take(chain.words[i] | uint64_t{chain.words[i + 1]} << 32);
     if (i < chain.words.size()) take(chain.words[i]);
     return {mixed(low ^ std::rotl(high, 17)), mixed(high + kFirst)};
-}
-
-std::vector<uint32_t> first_equal(std::span<const BlockChain> chains) {
-    struct Entry {
-        ContentHash hash;
-        uint32_t index;
-    };
-    std::vector<Entry> entries;
-    entries.reserve(chains.size());
-    for (size_t i = 0; i < chains.size(); ++i) entries.push_back({content_hash(chains[i]), static_cast<uint32_t>(i)});
-    std::sort(entries.begin(), entries.end(),
-              [](const Entry& a, const Entry& b) { return a.hash != b.hash ? a.hash < b.hash : a.index < b.index; });
-    std::vector<uint32_t> first(chains.size());
-    std::iota(first.begin(), first.end(), 0u);
-    for (size_t begin = 0; begin < entries.size();) {
-        size_t end = begin + 1;
-        while (end < entries.size() && entries[end].hash == entries[begin].hash) ++end;
-        for (size_t i = begin + 1; i < end; ++i) {
-            // Among chains of one hash (all equal but for chance) the earliest that really is equal.
-            for (size_t k = begin; k < i; ++k) {
-                if (first[entries[k].index] != entries[k].index) continue;
-                if (!equal_chains(chains[entries[k].index], chains[entries[i].index])) continue;
-                first[entries[i].index] = entries[k].index;
-                break;
-            }
-        }
-        begin = end;
-    }
-    return first;
 }
 
 }  // namespace citystream::codec::atlas

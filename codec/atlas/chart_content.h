@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
 namespace citystream::codec::atlas {
 
@@ -27,9 +26,5 @@ struct BlockChain {
 };
 
 ContentHash content_hash(const BlockChain& chain);
-
-/// For every chain the first one that is equal to it (often itself): equal means word by word, whatever the hash says.
-/// O(words + n log n).
-std::vector<uint32_t> first_equal(std::span<const BlockChain> chains);
 
 }  // namespace citystream::codec::atlas

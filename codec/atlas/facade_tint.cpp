@@ -29,11 +29,6 @@ std::optional<double> number_in(std::string_view text) {
 
 }  // namespace
 
-double tint_parameter(TintField field, double x, double y, double step) {
-    const double across = std::abs(x), along = std::abs(y);
-    return (field == TintField::kProduct ? across * along : across + along) / step;
-}
-
 Tint tint_at(std::span<const Tint> palette, double t) {
     assert(!palette.empty() && t >= 0 && std::isfinite(t));
     const double whole = std::floor(t);

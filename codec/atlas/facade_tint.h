@@ -2,8 +2,9 @@
 // which draw the same; only what stands upright is tinted.
 //
 // Source: "Space-Optimized Texture Atlases", appendix ("Visual improvements"), as corrected in the notes: the two
-// weights are swapped there, so that the tint jumps at every whole t; here it is continuous.
-// It mixes tint and texture; the renderers multiply, so that panes stay dark.
+// weights are swapped there, so that the tint jumps at every whole t; here it is continuous. Its t = |x| |y| / step
+// changes the faster the farther from the origin; here one colour takes one step everywhere. It mixes tint and texture;
+// the renderers multiply, so that panes stay dark.
 #pragma once
 
 #include <array>
@@ -17,14 +18,6 @@
 namespace citystream::codec::atlas {
 
 using Tint = std::array<float, 3>;  ///< RGB
-
-enum class TintField : uint8_t {
-    kProduct,  ///< the paper's t = |x| |y| / step: changes the faster the farther from the origin (pitfall 20)
-    kSum,      ///< t = (|x| + |y|) / step: one colour per step everywhere
-};
-
-/// t at a place on the ground, metres from the city's own origin. step > 0, metres (kProduct: square metres).
-double tint_parameter(TintField field, double x, double y, double step);
 
 /// C[floor(t) mod n] (1 - f) + C[(floor(t) + 1) mod n] f with f = t - floor(t). t >= 0 and finite, palette not empty
 /// (programming errors). Above 2^53 there is no fraction left.
@@ -43,7 +36,7 @@ Result<FacadeTint> parse_facade_tint(std::string_view text);
 /// The colours of tint_layout.h, sRGB.
 std::span<const Tint> tint_palette();
 
-/// Where in the palette a place is, 0 <= place < TINT_COLOURS: t of TintField::kSum, modulo the palette so that floats
+/// Where in the palette a place is, 0 <= place < TINT_COLOURS: t = (x + y) / step, modulo the palette so that floats
 /// hold it everywhere (and without the fold at the axes). Position: absolute metres.
 double tint_place(const std::array<double, 3>& position, const FacadeTint& tint);
 

@@ -57,6 +57,15 @@ uint8_t even_level(float value) {
     return static_cast<uint8_t>(clamp_unit(value) * 255 + 0.5f);
 }
 
+/// Texel i of an image with alpha: colours divided by it, and alpha.
+std::array<uint8_t, 4> bytes_with_alpha(const Tables& t, const Image& image, size_t i) {
+    const float alpha = clamp_unit(image.texels[3 * image.area() + i]);
+    std::array<uint8_t, 4> bytes{};
+    for (uint32_t c = 0; c < 3 && alpha > 0; ++c) bytes[c] = byte_of(t, image.texels[c * image.area() + i] / alpha);
+    bytes[3] = even_level(alpha);
+    return bytes;
+}
+
 }  // namespace
 
 float linear_of_srgb(uint8_t value) {
@@ -126,10 +135,8 @@ std::vector<uint8_t> srgb_bytes(const Image& image) {
     std::vector<uint8_t> bytes(image.texels.size());
     if (image.channels == 4) {
         for (size_t i = 0; i < area; ++i) {
-            const float alpha = clamp_unit(image.texels[3 * area + i]);
-            for (uint32_t c = 0; c < 3; ++c)
-                bytes[4 * i + c] = alpha > 0 ? byte_of(t, image.texels[c * area + i] / alpha) : uint8_t{0};
-            bytes[4 * i + 3] = even_level(alpha);
+            const auto texel = bytes_with_alpha(t, image, i);
+            std::copy(texel.begin(), texel.end(), &bytes[4 * i]);
         }
         return bytes;
     }
@@ -157,10 +164,31 @@ ChartImage chart_image(const Image& image) {
 
 void quantise(Image& image) {
     const Tables& t = tables();
-    const size_t colours = std::min(image.channels, 3u) * image.area();
-    for (size_t i = 0; i < colours; ++i) image.texels[i] = t.linear[byte_of(t, image.texels[i])];
-    for (size_t i = colours; i < image.texels.size(); ++i)
-        image.texels[i] = static_cast<float>(even_level(image.texels[i])) / 255;
+    if (image.channels != 4) {
+        for (float& texel : image.texels) texel = t.linear[byte_of(t, texel)];
+        return;
+    }
+    const size_t area = image.area();
+    for (size_t i = 0; i < area; ++i) {
+        const auto bytes = bytes_with_alpha(t, image, i);
+        const float alpha = static_cast<float>(bytes[3]) / 255;
+        for (uint32_t c = 0; c < 3; ++c) image.texels[c * area + i] = t.linear[bytes[c]] * alpha;
+        image.texels[3 * area + i] = alpha;
+    }
+}
+
+void test_alpha(Image& image) {
+    if (image.channels != 4) return;
+    const size_t area = image.area();
+    for (size_t i = 0; i < area; ++i) {
+        float& alpha = image.texels[3 * area + i];
+        const bool there = alpha >= 0.5f;
+        for (uint32_t c = 0; c < 3; ++c) {
+            float& colour = image.texels[c * area + i];
+            colour = there ? colour / alpha : 0.0f;
+        }
+        alpha = there ? 1.0f : 0.0f;
+    }
 }
 
 }  // namespace citystream::codec::atlas

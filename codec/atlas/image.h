@@ -65,8 +65,12 @@ std::vector<uint8_t> srgb_bytes(const Image& image);
 /// flags and metres_per_texel are left for the caller.
 ChartImage chart_image(const Image& image);
 
-/// The same picture as its 8-bit bytes would show it: every value through srgb_of_linear and back (alpha: 256 even
-/// levels). Equal to linear_image(srgb_bytes(image)) where alpha is 1 or there is none.
+/// The same picture as its 8-bit bytes show it: linear_image(srgb_bytes(image)), in place. Of alpha 0 the colour is
+/// black then.
 void quantise(Image& image);
+
+/// What is drawn of a picture with alpha: the colour where alpha is at least one half, elsewhere nothing (alpha 0).
+/// Pictures without alpha stay as they are.
+void test_alpha(Image& image);
 
 }  // namespace citystream::codec::atlas

@@ -8,7 +8,6 @@
 #include "codec/atlas/bc1.h"
 #include "codec/atlas/chart_border.h"
 #include "codec/atlas/chart_content.h"
-#include "codec/atlas/rectangle_packing_atlas.h"
 #include "codec/atlas/resample.h"
 #include "codec/atlas/step_blocks.h"
 #include "codec/atlas/wrap_coordinate_layout.h"
@@ -51,7 +50,8 @@ PagePicture halved(const PagePicture& fine) {
 /// The charts that take room on pages, in their places.
 class PageBuilder {
   public:
-    PageBuilder(std::span<const ChartImage> charts, const PageOptions& options) : charts_(charts), options_(options) {}
+    PageBuilder(std::span<const ChartImage> charts, const PageOptions& options, std::span<const float> asked)
+        : charts_(charts), options_(options), asked_(asked) {}
 
     Result<LayerSteps> run() {
         if (Status status = check_options(); !status) return status.error();
@@ -82,19 +82,36 @@ class PageBuilder {
             assert(chart.width >= 1 && chart.height >= 1 && chart.rgb.size() == size_t{3} * chart.width * chart.height);
             if (flat_colour(chart.rgb)) continue;
             const RectangleSize size{std::min(chart.width, longest), std::min(chart.height, longest)};
-            requests.push_back({size, size, chart.repeat_u, chart.repeat_v});
+            requests.push_back({asked_size(i, size), size, chart.repeat_u, chart.repeat_v});
             shown_.push_back(i);
         }
         AtlasPackingOptions packing;
         packing.mips = options_.mips;
         packing.max_page_side = options_.max_page_side;
         packing.max_chart_side = padded;
-        packing.shape = options_.power_of_two ? PageShape::kPowerOfTwo : PageShape::kTight;
+        packing.shape = options_.shape;
+        if (options_.shape == PageShape::kPowerOfTwo) {
+            packing.stretch = true;
+            packing.fill = FillMode::kSubtrees;
+            packing.fill_beyond_source = true;
+        }
         auto packed = pack_atlas(requests, packing);
         if (!packed) return packed.error();
         packing_ = std::move(packed).value();
         if (packing_.pages.size() > kMostPages) return Error{"more than 65,536 pages"};
         return Done{};
+    }
+
+    /// The size at which a chart that may have `size` has texels as long as it is asked for.
+    RectangleSize asked_size(uint32_t index, RectangleSize size) const {
+        const ChartImage& chart = charts_[index];
+        if (options_.shape == PageShape::kTight || asked_.empty() || chart.metres_per_texel <= 0) return size;
+        if (asked_[index] <= chart.metres_per_texel) return size;
+        const double share = double{chart.metres_per_texel} / double{asked_[index]};
+        const auto side = [share](uint32_t own, uint32_t most) {
+            return std::clamp(static_cast<uint32_t>(std::ceil(own * share)), 1U, most);
+        };
+        return {side(chart.width, size.width), side(chart.height, size.height)};
     }
 
     std::vector<PagePicture> levels_of(uint32_t page) const {
@@ -193,6 +210,7 @@ class PageBuilder {
 
     std::span<const ChartImage> charts_;
     const PageOptions& options_;
+    std::span<const float> asked_;
     uint32_t border_ = 0;
     std::vector<uint32_t> shown_;  ///< charts with places in packing_, in its order
     AtlasPacking packing_;
@@ -289,8 +307,32 @@ uint32_t longest_page_chart(uint32_t mips) {
     return kPadded / unit * unit - 2 * border_of(BorderRule::kUniform, mips, true, true).u;
 }
 
-Result<LayerSteps> encode_pages(std::span<const ChartImage> charts, const PageOptions& options) {
-    return PageBuilder(charts, options).run();
+uint32_t affordable_mips(std::span<const ChartImage> charts, uint32_t mips) {
+    constexpr uint32_t kFreeMips = 3;
+    constexpr uint64_t kMostPagesOfTexels = 4;
+    std::vector<RectangleSize> sizes;
+    for (const ChartImage& chart : charts) {
+        if (!flat_colour(chart.rgb)) sizes.push_back({chart.width, chart.height});
+    }
+    for (; mips > kFreeMips; --mips) {
+        const uint32_t unit = alignment_unit(mips, true, true), longest = longest_page_chart(mips);
+        const uint32_t borders = 2 * border_of(BorderRule::kUniform, mips, true, true).u;
+        const auto padded = [&](uint32_t side) { return (side + borders + unit - 1) / unit * unit; };
+        uint64_t own = 0, taken = 0;
+        for (const RectangleSize& size : sizes) {
+            const RectangleSize kept{std::min(size.width, longest), std::min(size.height, longest)};
+            own += kept.area();
+            taken += uint64_t{padded(kept.width)} * padded(kept.height);
+        }
+        if (taken <= kMostPagesOfTexels * own) break;
+    }
+    return mips;
+}
+
+Result<LayerSteps> encode_pages(std::span<const ChartImage> charts, const PageOptions& options,
+                                std::span<const float> asked) {
+    assert(asked.empty() || asked.size() == charts.size());
+    return PageBuilder(charts, options, asked).run();
 }
 
 bool is_page_layer(std::span<const uint32_t> words) {

@@ -15,6 +15,7 @@
 
 #include "codec/atlas/atlas_layer.h"
 #include "codec/atlas/page_layout.h"
+#include "codec/atlas/rectangle_packing_atlas.h"
 #include "codec/atlas/wrap_coordinate.h"
 #include "codec/layer_steps.h"
 #include "codec/result.h"
@@ -25,17 +26,28 @@ struct PageOptions {
     uint32_t mips = 2;  ///< M: levels 0..M; at most kMostMips
     uint32_t rate_distortion = 0;
     uint32_t max_page_side = 4096;  ///< a multiple of 4 * 2^M, at most 4096
-    bool power_of_two = false;      ///< pages as the thesis predicts them, else as small as they can be
+    /// kTight: charts of their own size on pages as small as can be. kPowerOfTwo: as the thesis has it (7.3): pages as
+    /// predicted from what charts are asked for, charts stretched from there towards their own size (Algorithm 6), and
+    /// what is left filled (Algorithm 5), so that every texel is a chart's, as far as none exceeds longest_page_chart.
+    PageShape shape = PageShape::kTight;
 };
 
 /// Longest side of a chart's interior: what a packed coordinate can say less its borders. Larger charts are shrunk to
 /// it, in linear light.
 uint32_t longest_page_chart(uint32_t mips);
 
-/// Encodes. Charts keep their size but for alignment (they are enlarged by less than 4 * 2^M texels, and shrunk where
-/// they are longer than longest_page_chart). M + 1 steps; a step's error: the largest metres_per_texel of any chart at
-/// that level, flat charts apart. No charts, or flat ones only: one step without pages. Refuses options out of range.
-Result<LayerSteps> encode_pages(std::span<const ChartImage> charts, const PageOptions& options = {});
+/// The most mips, up to `mips`, whose borders and alignment leave a quarter of the pages to the charts' own texels; up
+/// to 3 in any case, as distant frames lose 2 dB with one less. Pages of more would show small charts enlarged: at
+/// M = 7 none takes less than 512 x 512 texels.
+uint32_t affordable_mips(std::span<const ChartImage> charts, uint32_t mips);
+
+/// Encodes. `asked`: of each chart, metres a texel that it need not be finer than, 0: none (empty: all); regarded by
+/// kPowerOfTwo. Charts keep their size but for alignment (they are enlarged by less than 4 * 2^M texels, and shrunk
+/// where they are longer than longest_page_chart) with kTight. M + 1 steps; a step's error: the largest
+/// metres_per_texel of any chart at that level, flat charts apart. No charts, or flat ones only: one step without
+/// pages. Refuses options out of range.
+Result<LayerSteps> encode_pages(std::span<const ChartImage> charts, const PageOptions& options = {},
+                                std::span<const float> asked = {});
 
 /// Whether the words begin like those of encode_pages.
 bool is_page_layer(std::span<const uint32_t> words);

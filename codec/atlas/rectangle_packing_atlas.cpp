@@ -52,6 +52,11 @@ Result<CellChart> cell_chart(const ChartRequest& request, const AtlasPackingOpti
     return CellChart{{least, most}, {limit, limit}, border};
 }
 
+/// Half the area: what next_bin() doubles.
+RectangleSize half_bin(RectangleSize bin) {
+    return bin.width > bin.height ? RectangleSize{bin.width / 2, bin.height} : RectangleSize{bin.width, bin.height / 2};
+}
+
 /// Packs pages until no chart is left.
 class Pages {
   public:
@@ -103,16 +108,43 @@ class Pages {
         return {largest_, pack_as_many_as_fit(sizes, largest_, options_.effort)};
     }
 
-    /// Charts that are on no page yet -> those still left.
-    std::vector<uint32_t> pack_page(std::span<const uint32_t> rest) {
-        Layout layout = lay_out(least_sizes(rest));
-        assert(layout.packing.placed > 0);
+    /// A page with its places filled, and the charts that are not on it.
+    struct FilledPage {
+        Layout layout;
         std::vector<uint32_t> here, left;
+        std::vector<Rectangle> places;
+        uint64_t empty = 0;  ///< cells
+        /// Whether a larger part of it is covered.
+        bool is_fuller_than(const FilledPage& other) const {
+            return empty * other.layout.bin.area() < other.empty * layout.bin.area();
+        }
+    };
+
+    /// Charts that are on no page yet -> those still left. A page that its charts do not fill, because none may grow
+    /// further, is halved, and what it then does not hold comes on others.
+    std::vector<uint32_t> pack_page(std::span<const uint32_t> rest) {
+        const auto sizes = least_sizes(rest);
+        FilledPage page = fill_page(rest, lay_out(sizes));
+        assert(!page.here.empty());
+        const bool halves = options_.shape == PageShape::kPowerOfTwo && options_.fill == FillMode::kSubtrees &&
+                            options_.fill_beyond_source;
+        for (RectangleSize bin = page.layout.bin; halves && page.empty > 0 && bin.area() > 1;) {
+            bin = half_bin(bin);
+            FilledPage smaller = fill_page(rest, {bin, pack_as_many_as_fit(sizes, bin, options_.effort)});
+            if (smaller.here.empty()) break;
+            if (smaller.is_fuller_than(page)) page = std::move(smaller);
+        }
+        finish_page(page);
+        return std::move(page.left);
+    }
+
+    FilledPage fill_page(std::span<const uint32_t> rest, Layout layout) const {
+        FilledPage page;
         std::vector<Rectangle> places;
         std::vector<uint32_t> number(rest.size(), SlicingNode::kEmpty);
         for (size_t i = 0; i < rest.size(); ++i) {
             const bool placed = layout.packing.places[i].area() > 0;
-            (placed ? here : left).push_back(rest[i]);
+            (placed ? page.here : page.left).push_back(rest[i]);
             if (!placed) continue;
             number[i] = static_cast<uint32_t>(places.size());
             places.push_back(layout.packing.places[i]);
@@ -121,23 +153,26 @@ class Pages {
             if (node.rectangle != SlicingNode::kEmpty) node.rectangle = number[node.rectangle];
         }
         layout.packing.places = std::move(places);
-        finish_page(here, std::move(layout));
-        return left;
-    }
-
-    void finish_page(std::span<const uint32_t> here, Layout layout) {
-        if (options_.stretch) stretch(here, layout);
+        if (options_.stretch) stretch(page.here, layout);
         std::vector<GrowthLimit> limits;
-        for (size_t i = 0; i < here.size(); ++i) {
-            const CellChart& chart = charts_[here[i]];
+        for (size_t i = 0; i < page.here.size(); ++i) {
+            const CellChart& chart = charts_[page.here[i]];
             limits.push_back({layout.packing.places[i].size(), chart.range.most,
                               options_.fill_beyond_source ? chart.most : chart.range.most});
         }
-        const auto places = fill_leaves(layout.packing, layout.bin, limits, options_.fill);
-        AtlasPage page{layout.bin.width * unit_, layout.bin.height * unit_, layout.stretch, {}};
+        page.places = fill_leaves(layout.packing, layout.bin, limits, options_.fill);
+        page.empty = layout.bin.area();
+        for (const Rectangle& place : page.places) page.empty -= place.area();
+        page.layout = std::move(layout);
+        return page;
+    }
+
+    void finish_page(const FilledPage& filled) {
+        const RectangleSize bin = filled.layout.bin;
+        AtlasPage page{bin.width * unit_, bin.height * unit_, filled.layout.stretch, {}};
         page.occupancy.texels = uint64_t{page.width} * page.height;
         page.occupancy.empty = page.occupancy.texels;
-        for (size_t i = 0; i < here.size(); ++i) place(here[i], places[i], page.occupancy);
+        for (size_t i = 0; i < filled.here.size(); ++i) place(filled.here[i], filled.places[i], page.occupancy);
         result_.pages.push_back(page);
     }
 

@@ -26,7 +26,8 @@ struct ChartRequest {
 };
 
 enum class PageShape : uint8_t {
-    kPowerOfTwo,  ///< as predicted in 7.3.1, doubled until the charts fit
+    kPowerOfTwo,  ///< as predicted in 7.3.1, doubled until the charts fit; halved where fill that may go beyond the
+                  ///< source (kSubtrees) then meets max_chart_side before the page is full: charts come on several
     kTight,       ///< any multiple of the alignment unit, as small as the packers manage: nothing need be stretched
 };
 

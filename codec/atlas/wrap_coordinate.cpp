@@ -1,7 +1,6 @@
 #include "codec/atlas/wrap_coordinate.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <string>
 
@@ -36,10 +35,17 @@ Status check_chart_axis(uint32_t origin, uint32_t size, uint32_t border) {
 
 Result<uint32_t> encode_wrap_axis(uint32_t origin, uint32_t size, uint32_t border, double place) {
     if (Status checked = check_chart_axis(origin, size, border); !checked) return checked.error();
+    return move_wrap_axis((origin / kGrid) << WRAP_ORIGIN_SHIFT | (size / kGrid - 1) << WRAP_SIZE_SHIFT, place);
+}
+
+Result<uint32_t> move_wrap_axis(uint32_t word, double place) {
     if (!(place >= 0 && place < kWrapPlaceEnd))
         return Error{"place " + std::to_string(place) + " in a chart: a packed coordinate holds 0 to 63.998"};
-    const auto steps = static_cast<uint32_t>(std::floor(place * WRAP_PLACE_ONE + 0.5));
-    return (origin / kGrid) << WRAP_ORIGIN_SHIFT | (size / kGrid - 1) << WRAP_SIZE_SHIFT | steps;
+    return (word & ~WRAP_PLACE_MASK) | static_cast<uint32_t>(rounded_place(place) * WRAP_PLACE_ONE);
+}
+
+double rounded_place(double place) {
+    return std::floor(place * WRAP_PLACE_ONE + 0.5) * kWrapStep;
 }
 
 WrapAxis decode_wrap_axis(uint32_t word, uint32_t border) {
@@ -75,15 +81,6 @@ Result<double> wrap_shift(std::span<const double> places) {
     return shift;
 }
 
-double clamped_place(double place, uint32_t interior, uint32_t border) {
-    assert(interior > 0);
-    // Half a texel in steps, rounded inwards; a chart of one texel has its middle only.
-    const uint32_t half = border > 0 ? 0 : (WRAP_PLACE_ONE + 2 * interior - 1) / (2 * interior);
-    const double low = half, high = WRAP_PLACE_ONE - std::max(half, 1u);
-    const double steps = std::floor(place * WRAP_PLACE_ONE + 0.5);
-    return (steps > low ? std::min(steps, high) : low) * kWrapStep;
-}
-
 Result<PackedCoordinate> encode_wrap_coordinate(const Rectangle& padded, uint32_t border, double u, double v) {
     const auto across = encode_wrap_axis(padded.x, padded.width, border, u);
     if (!across) return across.error();
@@ -96,67 +93,6 @@ ChartFrame frame_of(PackedCoordinate packed, uint32_t border) {
     const WrapAxis u = decode_wrap_axis(packed.u, border), v = decode_wrap_axis(packed.v, border);
     return {static_cast<float>(u.origin), static_cast<float>(v.origin), static_cast<float>(u.size),
             static_cast<float>(v.size)};
-}
-
-ChartPlace place_of(PackedCoordinate packed) {
-    const auto place = [](uint32_t word) { return static_cast<float>(word & WRAP_PLACE_MASK) / WRAP_PLACE_ONE; };
-    return {place(packed.u), place(packed.v)};
-}
-
-ChartFrame frame_of(const Rectangle& interior, bool repeat_u, bool repeat_v) {
-    const auto size = [](uint32_t texels, bool repeat) {
-        return repeat ? static_cast<float>(texels) : -static_cast<float>(texels);
-    };
-    return {static_cast<float>(interior.x), static_cast<float>(interior.y), size(interior.width, repeat_u),
-            size(interior.height, repeat_v)};
-}
-
-Result<TriangleCoordinates> encode_triangle(ChartTransport transport, const Rectangle& padded, uint32_t border,
-                                            const std::array<std::array<double, 2>, 3>& places) {
-    TriangleCoordinates triangle;
-    triangle.transport = transport;
-    triangle.border = border;
-    for (size_t corner = 0; corner < 3; ++corner) {
-        const auto packed = encode_wrap_coordinate(padded, border, places[corner][0], places[corner][1]);
-        if (!packed) return packed.error();
-        if (transport == ChartTransport::kPacked) {
-            triangle.packed[corner] = *packed;
-            continue;
-        }
-        triangle.places[corner] = place_of(*packed);
-        (transport == ChartTransport::kPerDraw ? triangle.frame : triangle.frames[corner]) = frame_of(*packed, border);
-    }
-    return triangle;
-}
-
-CornerCoordinate decode_corner(const TriangleCoordinates& triangle, uint32_t corner) {
-    assert(corner < 3);
-    switch (triangle.transport) {
-        case ChartTransport::kPerDraw:
-            return {triangle.frame, triangle.places[corner]};
-        case ChartTransport::kAttribute:
-            return {triangle.frames[corner], triangle.places[corner]};
-        default:
-            return {frame_of(triangle.packed[corner], triangle.border), place_of(triangle.packed[corner])};
-    }
-}
-
-TransportCost transport_cost(ChartTransport transport) {
-    switch (transport) {
-        case ChartTransport::kPerDraw:
-            return {4, 4};
-        case ChartTransport::kAttribute:
-            return {4, 12};
-        default:
-            return {0, 0};
-    }
-}
-
-float wrapped_texel(float origin, float size, float place, float level) {
-    if (size >= 0.0f) return origin + (place - std::floor(place)) * size;
-    const float margin =
-        std::min(0.5f * static_cast<float>(1u << static_cast<uint32_t>(std::ceil(level))), -0.5f * size);
-    return origin + std::clamp(place * -size, margin, -size - margin);
 }
 
 }  // namespace citystream::codec::atlas

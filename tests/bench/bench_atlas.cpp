@@ -1,21 +1,24 @@
 // Claim: how small charts become by view matching and by each metric and tolerance, and what they cost on the wire.
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <optional>
 
-#include "codec/atlas/bc1.h"
 #include "codec/atlas/chart_search.h"
 #include "codec/atlas/coverage.h"
+#include "codec/atlas/step_blocks.h"
 #include "codec/bits/zstd_frame.h"
 #include "tests/bench/bench_program.h"
+#include "tests/bench/jpeg_file.h"
 #include "tests/bench/metric_option.h"
+#include "tests/bench/usable_memory.h"
 #include "tiles/city/generator.h"
-#include "tiles/layers/image_cache.h"
+#include "tiles/layers/image_decode.h"
+#include "tiles/layers/image_preparation.h"
 
 namespace {
 
@@ -26,13 +29,17 @@ using namespace citystream::codec::atlas;
 constexpr const char* kClaim =
     "Charts after view matching and saliency search: size, error and bytes of every image, metric and tolerance.\n"
     "in: the image's size. view_size: after view matching by --metres and --texel (as it is without --metres). size,\n"
-    "error: the chart's, by a search of --order that judges by the view-matched image. calls: of the metric.\n"
-    "bc1_zstd_bytes: the chart's finest mip in BC1 after zstd -19. jpeg_bytes: the image as given, as JPEG of quality\n"
-    "85, which a plain viewer would fetch; view_jpeg_bytes: the view-matched one. mpixel_per_s: view-matched pixels a\n"
+    "error: the chart's, by a search of --order that judges by the view-matched image. calls: of the metric,\n"
+    "all of them. bc1_zstd_bytes: the chart's finest mip in BC1 (BC3 where it has alpha) after zstd -19. jpeg_bytes:\n"
+    "the colours of the image as given, as JPEG of quality 85, which a plain viewer would fetch; view_jpeg_bytes: of\n"
+    "the view-matched one. What would hold more memory than --memory-limit is passed over. mpixel_per_s: view-matched "
+    "pixels a\n"
     "second of processor time of the search, one core. Without IMAGEs: the textures of a generated city, with the "
     "metres that its walls,\n"
     "roofs and streets give them.";
 constexpr int kJpegQuality = 85;
+/// Bytes a texel of an image as given that are held beside the search: itself, and while it becomes a JPEG.
+constexpr uint64_t kHeldTexel = 8;
 constexpr const char* kMetrics =
     "rmse:0.05,rmse:0.1,rmse:0.2,nrmse:0.1,hvse:0.1,hvse:0.2,hvse:0.3,hvse:0.4,hvse:0.5,ssim:0.98,ssim:0.95,ssim:0.9,"
     "flip:0.05,flip:0.1";
@@ -40,6 +47,7 @@ constexpr const char* kMetrics =
 struct Request {
     double metres_u = 0, metres_v = 0;  // of one repeat; 0: no view matching
     double texel = 0.05;
+    uint64_t memory_bytes = usable_memory();
     std::vector<Metric> metrics;
     SearchSettings search;
 };
@@ -55,6 +63,14 @@ std::optional<double> parse_metres(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || !(value > 0) || value > 1e9) return std::nullopt;
     return value;
+}
+
+bool take_mebibytes(const std::string& text, uint64_t& bytes) {
+    uint64_t value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || value == 0 || value > 1U << 30) return false;
+    bytes = value << 20;
+    return true;
 }
 
 bool take_size(const std::string& text, Request& request) {
@@ -79,6 +95,8 @@ std::vector<BenchOption> options_of(Request& request) {
              [&request](const std::string& text) { return take_size(text, request); }},
             {"--texel", "M, metres a texel of the view (0.05)",
              [&request](const std::string& text) { return take(parse_metres(text), request.texel); }},
+            {"--memory-limit", "MiB (three quarters of what the machine allows)",
+             [&request](const std::string& text) { return take_mebibytes(text, request.memory_bytes); }},
             {"--metric", "metrics with tolerances, such as rmse:0.05,hvse:0.3,ssim:0.98,flip:0.05,none",
              [&request](const std::string& text) { return take_metrics(text, request.metrics); }},
             {"--order", "width, height, both, alternate or best",
@@ -87,49 +105,66 @@ std::vector<BenchOption> options_of(Request& request) {
              [&request](const std::string& text) { return take(parse_shrink(text), request.search.filter); }}};
 }
 
+/// As a file, whose first row is the top one.
 uint64_t jpeg_bytes(const ChartImage& image) {
-    std::vector<unsigned char> file;
-    OIIO::Filesystem::IOVecOutput memory(file);
-    const auto output = OIIO::ImageOutput::create("image.jpg", &memory);
-    OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3, OIIO::TypeDesc::UINT8);
-    spec.attribute("Compression", "jpeg:" + std::to_string(kJpegQuality));
-    const auto row = static_cast<OIIO::stride_t>(3 * size_t{image.width});
-    const bool written = output && output->open("image.jpg", spec) &&
-                         output->write_image(OIIO::TypeDesc::UINT8, &image.rgb[image.rgb.size() - size_t(row)],
-                                             OIIO::AutoStride, -row) &&
-                         output->close();
-    return written ? file.size() : 0;
+    const auto row = static_cast<ptrdiff_t>(3 * size_t{image.width});
+    std::vector<uint8_t> upright;
+    upright.reserve(image.rgb.size());
+    for (auto end = image.rgb.end(); end != image.rgb.begin(); end -= row)
+        upright.insert(upright.end(), end - row, end);
+    return jpeg_file(upright, image.width, image.height, kJpegQuality).size();
 }
 
 uint64_t bc1_zstd_bytes(const ChartImage& chart) {
-    const std::vector<uint32_t> words = encode_bc1_image(chart.rgb, chart.width, chart.height);
+    std::vector<uint32_t> words;
+    StepBlocks(words, 0).append(chart);
     return codec::bits::compress_frame(std::as_bytes(std::span(words))).size();
 }
 
 /// The error again, from the bytes that would be stored.
 double error_of(const ChartImage& chart, const Image& original, const SearchSettings& search) {
     if (search.metric.kind == MetricKind::kNone) return 0;
-    const Image shown = resample(linear_image(chart), original.width, original.height, search.filter, search.edges);
-    return MetricReference(original, search.metric.kind, search.view).error(shown);
+    Image seen = original;
+    test_alpha(seen);
+    const MetricReference reference(seen, search.metric.kind, search.view);
+    return reference.error(whole_image(shown_rows(linear_image(chart), original.width, original.height, search)));
+}
+
+ChartSize wanted_size(ChartSize in, const Coverage& coverage, const Request& request) {
+    return coverage.used() ? view_size(in, coverage, request.texel) : in;
+}
+
+/// The image at the size that the view needs, as a build stores it.
+ChartImage view_matched(const Picture& picture, const Request& request) {
+    const ChartImage& image = picture.image;
+    const ChartSize in{image.width, image.height}, wanted = wanted_size(in, picture.coverage, request);
+    if (wanted == in) return image;
+    const SearchSettings& search = request.search;
+    ChartImage view = chart_image(resample(image, wanted.width, wanted.height, search.filter, search.edges));
+    view.repeat_u = image.repeat_u;
+    view.repeat_v = image.repeat_v;
+    keep_share(view, there_of(image));
+    return view;
 }
 
 void measure(const Picture& picture, Request request, BenchProgram& program) {
     const auto size_of = [](const auto& image) { return Json::array({image.width, image.height}); };
     request.search.edges = {picture.image.repeat_u, picture.image.repeat_v};
+    request.search.there = there_of(picture.image);
     const ChartSize in{picture.image.width, picture.image.height};
-    const ChartSize wanted = picture.coverage.used() ? view_size(in, picture.coverage, request.texel) : in;
-    Image view = resample(picture.image, wanted.width, wanted.height, request.search.filter, request.search.edges);
-    quantise(view);
-    const uint64_t jpeg = jpeg_bytes(picture.image), view_jpeg = jpeg_bytes(chart_image(view));
+    const ChartImage matched = view_matched(picture, request);
+    const Image view = linear_image(matched);
+    const uint64_t jpeg = jpeg_bytes(picture.image), view_jpeg = jpeg_bytes(matched);
     for (const Metric& metric : request.metrics) {
         request.search.metric = metric;
         const std::clock_t start = std::clock();
         const SearchResult result = search_chart(view, request.search);
         const double seconds = static_cast<double>(std::max<std::clock_t>(std::clock() - start, 1)) / CLOCKS_PER_SEC;
-        const ChartImage chart = chart_image(result.image);
+        ChartImage chart = chart_image(result.image);
         program.check(result.error <= metric.largest_error(), picture.name + ": the chart keeps the tolerance");
         program.check(std::abs(error_of(chart, view, request.search) - result.error) < 1e-9,
                       picture.name + ": the stored bytes have the error that the search states");
+        tiles::layers::settle_alpha(chart);
         program.print({{"image", picture.name},
                        {"metric", name_of(metric.kind)},
                        {"tolerance", metric.tolerance},
@@ -194,6 +229,29 @@ std::vector<Picture> generated_pictures(const BenchOptions& options) {
     return pictures;
 }
 
+/// Nothing, and a line, if the file is no image or is too large.
+std::optional<Picture> read_picture(const std::string& path, const Request& request, BenchProgram& program) {
+    const auto file = tiles::layers::ImageFile::open(path);
+    if (!program.check(file.ok(), path + " is an image: " + (file ? "" : file.error().text()))) return std::nullopt;
+    Picture picture{
+        std::filesystem::path(path).filename().string(), {}, coverage_of(request.metres_u, request.metres_v)};
+    const ChartSize size{(*file)->width(), (*file)->height()};
+    const auto wanted = wanted_size(size, picture.coverage, request);
+    const uint64_t held = kHeldTexel * size.width * size.height;
+    const auto plan = tiles::layers::plan_image({size, (*file)->strip_bytes(), true, (*file)->has_alpha()}, wanted,
+                                                true, request.memory_bytes - std::min(held, request.memory_bytes));
+    const bool fits = plan.searched && !plan.halved && !plan.by_rows;
+    if (!program.check(fits, fmt::format("{}: a search at {} x {} texels fits {} MiB (--memory-limit; --metres and "
+                                         "--texel make images smaller)",
+                                         path, wanted.width, wanted.height, request.memory_bytes >> 20)))
+        return std::nullopt;
+    auto image = tiles::layers::read_whole(**file);
+    if (!program.check(image.ok(), path + " is an image: " + (image ? "" : image.error().text()))) return std::nullopt;
+    tiles::layers::settle_alpha(*image);
+    picture.image = *std::move(image);
+    return picture;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -209,11 +267,7 @@ int main(int argc, char** argv) {
         for (const Picture& picture : pictures) measure(picture, request, program);
     }
     for (const std::string& file : options.files) {
-        auto image = tiles::layers::decode_image(file);
-        if (!program.check(image.ok(), file + " is an image: " + (image ? "" : image.error().text()))) continue;
-        measure({std::filesystem::path(file).filename().string(), *std::move(image),
-                 coverage_of(request.metres_u, request.metres_v)},
-                request, program);
+        if (const auto picture = read_picture(file, request, program)) measure(*picture, request, program);
     }
     return program.exit_code();
 }

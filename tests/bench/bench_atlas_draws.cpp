@@ -1,6 +1,7 @@
 // Claim: one draw a tile from atlases is ten times faster than a draw for each texture where draws and vertices bound
 // the time, and of the ways to bring charts' coordinates to the shader none costs much.
 #include <malloc.h>
+#include <sys/resource.h>
 #include <time.h>
 
 #include <algorithm>
@@ -31,7 +32,12 @@ constexpr const char* kClaim =
     "frame_ms: recording, submission, drawing\nand reading back (median); faster: no-atlas / this, faster_than_sorted: "
     "no-atlas-sorted / this, within one repetition. vertices_per_s:\ncorners of triangles. cpu_...: the same in the "
     "process's CPU time, which on a software device is the work and does "
-    "not depend on what else the\nmachine does. psnr: against no-atlas, at "
+    "not depend on what else the\nmachine does. page_faults: of a frame (median); some 40,000 of them, where the "
+    "allocator gives a software "
+    "driver's memory back in every frame,\ncost as much as all else of no-atlas. The row \"law\" (1x1, CPU time) takes "
+    "no-atlas for draws x us_per_draw +\ntriangles x ns_per_triangle (from both orders), and says how many times "
+    "faster packed "
+    "coordinates are so at other counts of\ntriangles a run: at_triangles_per_run. psnr: against no-atlas, at "
     "the larger viewport. Viewports: 1x1, then --viewport.";
 
 struct Request {
@@ -55,6 +61,13 @@ double process_seconds() {
     timespec now{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) * 1e-9;
+}
+
+/// Of all threads, since the program began.
+double page_faults() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_minflt);
 }
 
 /// One way of drawing the city.
@@ -152,8 +165,10 @@ class DrawBench {
         }
         time_cases();
         for (size_t i = 0; i < cases_.size(); ++i) print(i, frames);
-        for (size_t i = 3; i <= 5; ++i) {
-            program_.check(frames[i].rgba == frames[2].rgba, cases_[i].name + ": the frame is that of the table");
+        if (width == 1) print_law();
+        for (size_t i = kFirstPages + 1; i <= kPackedPages; ++i) {
+            program_.check(frames[i].rgba == frames[kFirstPages].rgba,
+                           cases_[i].name + ": the frame is that of the table");
             program_.check(cases_[i].counts().fallback_tiles == 0, cases_[i].name + ": every tile takes it");
         }
     }
@@ -178,11 +193,13 @@ class DrawBench {
     void time_cases() {
         wall_.assign(cases_.size(), {});
         cpu_.assign(cases_.size(), {});
+        faults_.assign(cases_.size(), {});
         for (int repetition = 0; repetition < repetitions_; ++repetition) {
             for (size_t i = 0; i < cases_.size(); ++i) {
-                const double before = process_seconds();
+                const double before = process_seconds(), faults_before = page_faults();
                 wall_[i].push_back(seconds_of([&] { (void)cases_[i].draw(); }));
                 cpu_[i].push_back(process_seconds() - before);
+                faults_[i].push_back(page_faults() - faults_before);
             }
         }
     }
@@ -200,12 +217,33 @@ class DrawBench {
                      {"cpu_ms", rounded(spread_of(cpu_[i]).median * 1000)},
                      {"cpu_faster", to_json(ratio_of(cpu_[0], cpu_[i]))},
                      {"cpu_faster_than_sorted", rounded(ratio_of(cpu_[1], cpu_[i]).median)},
+                     {"page_faults", rounded(spread_of(faults_[i]).median)},
                      {"texture_bytes", one.texture_bytes},
                      {"geometry_bytes", one.geometry_bytes},
                      {"coordinate_bytes", one.counts().coordinate_bytes}};
         if (camera_.width > 1) line["psnr"] = i == 0 ? Json() : Json(rounded(psnr(frames[i], frames[0])));
         program_.print(line);
     }
+
+    // What a draw and a triangle cost without an atlas, from the same triangles in two orders.
+    void print_law() const {
+        const double by_building = spread_of(cpu_[kNoAtlas]).median, sorted = spread_of(cpu_[kSorted]).median;
+        const double packed = spread_of(cpu_[kPackedPages]).median, triangles = static_cast<double>(city_.triangles());
+        const double draws = cases_[kNoAtlas].draws(), sorted_draws = cases_[kSorted].draws();
+        const double draw = std::max(by_building - sorted, 0.0) / (draws - sorted_draws);
+        const double triangle = std::max(by_building - draws * draw, 0.0) / triangles;
+        Json at;
+        for (const double in_run : {2, 4, 8, 16, 32, 64})
+            at.push_back({in_run, rounded((draw / in_run + triangle) / (packed / triangles))});
+        program_.print({{"case", "law"},
+                        {"us_per_draw", rounded(draw * 1e6)},
+                        {"ns_per_triangle", rounded(triangle * 1e9)},
+                        {"packed_ns_per_triangle", rounded(packed / triangles * 1e9)},
+                        {"at_triangles_per_run", at}});
+    }
+
+    /// Places in cases_.
+    enum : size_t { kNoAtlas, kSorted, kFirstPages, kPackedPages = kFirstPages + kChartTransports.size() - 1 };
 
     const TexturedCity& city_;
     std::span<const TileLayers> layers_;
@@ -214,13 +252,16 @@ class DrawBench {
     Camera camera_;
     std::vector<Case> cases_;
     std::vector<std::vector<double>> wall_, cpu_;  // seconds, by case
+    std::vector<std::vector<double>> faults_;
 };
 
 // Keeps freed memory in the process: a driver that allocates for every recorded command, as lavapipe does, else gives
-// it back and asks for it anew in every frame of many draws, which is up to half of their time.
+// it back and asks for it anew in every frame of many draws, which is up to half of their time. One arena: the others
+// unmap what is free whatever the threshold.
 bool choose_allocator(const std::string& name) {
-    if (name == "keep") return mallopt(M_TRIM_THRESHOLD, 1 << 30) == 1 && mallopt(M_MMAP_THRESHOLD, 32 << 20) == 1;
-    return name == "default";
+    if (name != "keep") return name == "default";
+    return mallopt(M_ARENA_MAX, 1) == 1 && mallopt(M_TRIM_THRESHOLD, 1 << 30) == 1 &&
+           mallopt(M_MMAP_THRESHOLD, 32 << 20) == 1;
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <cstring>
 #include <thread>
 
@@ -14,6 +13,7 @@
 #include "codec/atlas/shared_chart.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/metric_option.h"
+#include "tests/bench/number_option.h"
 #include "tiles/city/generator.h"
 #include "tiles/layers/image_cache.h"
 
@@ -26,7 +26,7 @@ using namespace citystream::codec::atlas;
 constexpr const char* kClaim =
     "Throughput of what citystream-build does to an image until it is a shared chart. A line for each stage:\n"
     "decode (or draw, of generated textures), view match (Lanczos to --scale of the sides), search with each metric\n"
-    "(alternating order, multiples of 4), then of the view-matched image mips, BC1 without and with rate-distortion\n"
+    "(both orders, multiples of 4), then of the view-matched image mips, BC1 without and with rate-distortion\n"
     "(strength 4; all mips), and zstd. mpixel: of the image that the stage reads. mpixel_per_s: on all threads;\n"
     "per_core: a second of processor time, which other work on the machine changes less. share: of the processor time\n"
     "of a build with default options, which searches nothing and encodes with rate-distortion.\n"
@@ -39,15 +39,6 @@ struct Request {
     double scale = 0.9;
     std::vector<Metric> metrics;
 };
-
-template <typename Number>
-bool take_number(const std::string& text, Number least, Number most, Number& value) {
-    Number parsed{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), parsed);
-    if (error != std::errc() || end != text.data() + text.size() || !(parsed >= least && parsed <= most)) return false;
-    value = parsed;
-    return true;
-}
 
 std::vector<BenchOption> options_of(Request& request) {
     return {{"--textures", "how many of the generated city's (24)",
@@ -170,7 +161,6 @@ class Line {
     void search(const Metric& metric) {
         SearchSettings settings;
         settings.metric = metric;
-        settings.order = SearchOrder::kAlternate;
         settings.multiple = 4;
         stage("search " + to_string(metric), false, [&](size_t i) {
             SearchSettings own = settings;

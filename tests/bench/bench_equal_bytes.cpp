@@ -12,6 +12,7 @@
 #include "client/report/image_metrics.h"
 #include "client/stream/city_streamer.h"
 #include "tests/bench/bench_program.h"
+#include "tests/bench/number_option.h"
 #include "tests/bench/plain_viewer.h"
 #include "tests/bench/sample_city.h"
 #include "tiles/city/city_input.h"
@@ -41,6 +42,8 @@ constexpr const char* kClaim =
     "not\n"
     "25 % below to_bc1.";
 constexpr uint32_t kWidth = 960, kHeight = 540;
+constexpr uint32_t kMostRateDistortion = 1 << 20, kMostCount = 100'000'000;
+constexpr double kLeastPixels = 0.01, kMostPixels = 1000;
 constexpr double kTolerance = 0.5, kWholeTolerance = 0.02;
 constexpr double kEqualSsim = 0.98, kSsimSlack = 0.002, kLeastSaving = 0.25;
 
@@ -78,9 +81,9 @@ Result<std::vector<Archive>> parse_archives(const std::string& text) {
         if (slash == std::string::npos) return Error{part + ": expected SALIENCY/RATE-DISTORTION"};
         const auto metric = codec::atlas::parse_metric(part.substr(0, slash));
         if (!metric) return metric.error();
-        std::istringstream number(part.substr(slash + 1));
         uint32_t strength = 0;
-        if (!(number >> strength)) return Error{part + ": no number behind the /"};
+        if (!take_number(part.substr(slash + 1), 0U, kMostRateDistortion, strength))
+            return Error{part + ": no number behind the /"};
         archives.push_back({part.substr(0, slash), strength, {}});
     }
     return archives;
@@ -321,16 +324,15 @@ std::optional<City> ingolstadt() {
 int main(int argc, char** argv) {
     Request request;
     const auto take_count = [](const std::string& text, uint32_t least, uint32_t& out) {
-        std::istringstream in(text);
-        return static_cast<bool>(in >> out) && in.eof() && out >= least;
+        return take_number(text, least, kMostCount, out);
     };
     const auto take_pixels = [&](const std::string& text) {
         request.texel_tolerances = text;
-        for (const std::string& part : split(text)) {
-            std::istringstream in(part);
-            if (double pixels = 0; !(in >> pixels) || !(pixels > 0) || !in.eof()) return false;
-        }
-        return true;
+        const auto parts = split(text);
+        return std::all_of(parts.begin(), parts.end(), [](const std::string& part) {
+            double pixels = 0;
+            return take_number(part, kLeastPixels, kMostPixels, pixels);
+        });
     };
     BenchProgram program({"bench_equal_bytes",
                           kClaim,

@@ -10,9 +10,11 @@
 #include "client/load/city_index.h"
 #include "client/load/drawn_prefixes.h"
 #include "client/select/selection.h"
+#include "client/stream/chart_boxes.h"
 #include "client/stream/city_streamer.h"
 #include "client/stream/fetcher.h"
 #include "client/stream/layer_decoder.h"
+#include "codec/mesh/mesh_layer.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/camera_tours.h"
 #include "tests/bench/sample_city.h"
@@ -28,7 +30,8 @@ using tiles::tileset::Layer;
 constexpr const char* kClaim =
     "Bytes received over the bytes of the layer prefixes that were drawn (over_fetch), for street, roof and high "
     "flights through a city at\n"
-    "1280 x 720 and 1 pixel. ours: CityStreamer, directory and facade index counted. whole_tiles: the same tiles, "
+    "1280 x 720 and 1 pixel. ours: CityStreamer, directory and the indices of facades and shared charts counted. "
+    "whole_tiles: the same tiles, "
     "every layer with all its\n"
     "steps and exact maps. leaves_only: every visible leaf with the prefix that the rule asks for, no coarser levels. "
     "everything: all "
@@ -41,8 +44,8 @@ constexpr uint64_t kStoreBytes = uint64_t{1} << 30;
 constexpr double kTolerance = 1;
 constexpr MapDemand kExact = {0, std::nullopt};
 
-/// Bytes that a client without one of our means would receive: the longest prefix asked for of each layer, and maps
-/// once.
+/// Bytes that a client without one of our means would receive: the longest prefix asked for of each layer and shared
+/// chart, and maps once.
 class Received {
   public:
     explicit Received(const CityKnowledge& knowledge) : knowledge_(knowledge) {}
@@ -63,39 +66,82 @@ class Received {
             if (piece && pieces_.insert(*piece).second) bytes_ += knowledge_.dictionary.wire_bytes(*piece);
         }
     }
+    void add_chart(const ChartPrefix& prefix) {
+        uint64_t& before = charts_[prefix.chart];
+        const uint64_t now = std::max(before, knowledge_.charts.wire_bytes(prefix));
+        bytes_ += now - before;
+        before = now;
+    }
+    /// All that a tile shows of the dictionaries.
+    void add_shared(const TileKnowledge& tile) {
+        add_maps(tile.facade_maps, kExact);
+        for (const auto& use : tile.charts) add_chart({use.number, knowledge_.charts.usable_levels(use.number)});
+    }
     uint64_t bytes() const { return bytes_; }
 
   private:
     const CityKnowledge& knowledge_;
     std::map<tiles::tileset::TileAddress, std::array<uint64_t, kLayerCount>> layers_;
     std::set<MapPiece> pieces_;
+    std::map<uint32_t, uint64_t> charts_;  ///< by number: of the longest prefix
     uint64_t bytes_ = 0;
 };
 
-/// The directory and the placements' maps, all known: what the baselines choose from.
+/// The directory, the placements' maps and the shared charts, all known: what the baselines choose from.
 struct KnownCity {
     DirectoryCache directory;
     CityKnowledge knowledge;
 };
 
-bool learn_maps(const SampleCity& city, const DirectoryNode& node, TileKnowledge& known) {
-    const auto& steps = node.record->steps(Layer::kFacade);
-    if (steps.empty()) return true;
+/// The first `count` steps of a layer as they lie in the archive.
+std::vector<std::vector<std::byte>> wire_of(const SampleCity& city, const DirectoryNode& node, Layer layer,
+                                            size_t count) {
     std::vector<std::vector<std::byte>> wire;
     uint64_t begin = 0;
-    for (const auto& step : steps) {
-        const auto bytes = city.layer_bytes(*node.record, Layer::kFacade).subspan(begin, step.end - begin);
+    for (const auto& step : std::span(node.record->steps(layer)).first(count)) {
+        const auto bytes = city.layer_bytes(*node.record, layer).subspan(begin, step.end - begin);
         wire.emplace_back(bytes.begin(), bytes.end());
         begin = step.end;
     }
+    return wire;
+}
+
+bool learn_maps(const SampleCity& city, const DirectoryNode& node, TileKnowledge& known) {
+    const auto& steps = node.record->steps(Layer::kFacade);
+    if (steps.empty()) return true;
     DecodedPrefix prefix;
     LayerFacts facts;
     DecodeFailure failure;
-    const auto map_count = static_cast<uint32_t>(city.maps.size());
-    if (!decode_layer(Layer::kFacade, wire, steps, {kAnyChart, map_count, 0}, prefix, facts, failure)) return false;
+    const NameLimits limits = {kAnyChart, static_cast<uint32_t>(city.maps.size()), 0};
+    const auto wire = wire_of(city, node, Layer::kFacade, steps.size());
+    if (!decode_layer(Layer::kFacade, wire, steps, limits, prefix, facts, failure)) return false;
     known.facade_maps = facts.facade_maps;
     known.placements = facts.placements;
     known.facade_maps_known = true;
+    return true;
+}
+
+/// From the first steps of its atlas and mesh, as clients do.
+bool learn_charts(const SampleCity& city, const DirectoryCache& directory, NodeIndex index, TileKnowledge& known) {
+    const DirectoryNode& node = directory.node(index);
+    const auto& steps = node.record->steps(Layer::kAtlas);
+    if (!names_charts(city.manifest) || steps.empty()) return true;
+    DecodedPrefix atlas, mesh;
+    LayerFacts facts;
+    DecodeFailure failure;
+    const NameLimits limits = {kAnyChart, 0, city.charts.size()};
+    const auto wire = wire_of(city, node, Layer::kAtlas, 1);
+    if (!decode_layer(Layer::kAtlas, wire, std::span(steps).first(1), limits, atlas, facts, failure)) return false;
+    known.charts = facts.atlas.shared_charts;
+    known.alpha_charts = facts.atlas.alpha_charts;
+    known.charts_known = true;
+    if (!learns_chart_boxes(directory, index)) return true;
+    const auto first = std::span(node.record->steps(Layer::kMesh)).first(1);
+    if (!decompress_prefix(wire_of(city, node, Layer::kMesh, 1), first, mesh, failure)) return false;
+    const auto view = codec::mesh::MeshLayerView::create(mesh.words, mesh.step_words, kAnyChart);
+    if (!view) return false;
+    known.chart_boxes = chart_boxes_of(*view, tile_corner(directory, index), double{first[0].error});
+    known.chart_boxes_known = true;
     return true;
 }
 
@@ -106,8 +152,11 @@ KnownCity know(const SampleCity& city, BenchProgram& program) {
                       "a subtree joins the directory");
     known.knowledge.tiles.resize(known.directory.nodes().size());
     known.knowledge.dictionary.learn(city.maps);
+    known.knowledge.charts.learn(city.charts);
     for (NodeIndex i = 0; i < known.directory.nodes().size(); ++i) {
-        program.check(learn_maps(city, known.directory.node(i), known.knowledge.tiles[i]), "a facade layer decodes");
+        TileKnowledge& tile = known.knowledge.tiles[i];
+        program.check(learn_maps(city, known.directory.node(i), tile), "a facade layer decodes");
+        program.check(learn_charts(city, known.directory, i, tile), "what an atlas shares decodes");
     }
     return known;
 }
@@ -132,6 +181,10 @@ void add_visible_leaves(const KnownCity& known, Selector& selector, Received& re
                 received.add_maps(known.knowledge.tiles[i].facade_maps,
                                   {kTexelShare * kTolerance / scale, std::nullopt});
         }
+        for (const auto& use : known.knowledge.tiles[i].charts) {
+            const double near = selector.chart_pixels_per_metre(i, use.chart_in_tile);
+            received.add_chart(known.knowledge.charts.wanted(use, near, kTolerance));
+        }
     }
 }
 
@@ -144,7 +197,7 @@ Baselines baselines_of(const KnownCity& known, const Tour& tour) {
         const Selection chosen = selector.select(Camera::from_sample(sample, 1280, 720), kTolerance, kSlotBytes);
         for (const SelectedTile& tile : chosen.tiles) {
             whole.add_whole(nodes[tile.node]);
-            whole.add_maps(known.knowledge.tiles[tile.node].facade_maps, kExact);
+            whole.add_shared(known.knowledge.tiles[tile.node]);
         }
         Received frame(known.knowledge);
         add_visible_leaves(known, selector, frame);
@@ -157,7 +210,7 @@ Baselines baselines_of(const KnownCity& known, const Tour& tour) {
     for (NodeIndex i = 0; i < nodes.size(); ++i) {
         if (!nodes[i].is_leaf()) continue;
         everything.add_whole(nodes[i]);
-        everything.add_maps(known.knowledge.tiles[i].facade_maps, kExact);
+        everything.add_shared(known.knowledge.tiles[i]);
     }
     result.whole_tiles = whole.bytes();
     result.leaves_only = leaves.bytes();
@@ -184,6 +237,8 @@ Flight fly(const SampleCity& city, const Tour& tour) {
     for (const auto& subtree : city.subtrees)
         index.learn(tiles::tileset::subtree_path(subtree.parsed.root), subtree.bytes);
     index.learn(tiles::tileset::kFacadeIndexPath, city.archive->find(tiles::tileset::kFacadeIndexPath));
+    if (!city.charts.empty())
+        index.learn(tiles::tileset::kChartIndexPath, city.archive->find(tiles::tileset::kChartIndexPath));
     DrawnPrefixes drawn(index, store);
     for (const CameraSample& sample : tour.path.samples) {
         StreamerFrame frame;

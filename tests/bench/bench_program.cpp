@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "command_line/command_line.h"
+
 namespace citystream::bench {
 
 double rounded(double value) {
@@ -28,13 +30,13 @@ bool BenchProgram::read_arguments(int argc, char** argv, BenchOptions& options) 
         app.add_option("FILE", options.files, description_.files)->check(CLI::ExistingPath);
     if (description_.generates) {
         app.add_option("--buildings", options.buildings, "of the generated city")
-            ->check(CLI::Range(1, 1'000'000))
+            ->check(command_line::number_from(1, 1'000'000))
             ->capture_default_str();
         app.add_option("--seed", options.seed, "of the generated city")->capture_default_str();
     }
     if (!description_.parts.empty()) app.add_flag("--split", options.split, description_.parts);
     app.add_option("--repetitions", options.repetitions, "of each measurement")
-        ->check(CLI::Range(1, 1000))
+        ->check(command_line::number_from(1, 1000))
         ->capture_default_str();
     for (const BenchOption& option : description_.options) {
         const auto accept = [&option](const std::string& text) {
@@ -42,13 +44,9 @@ bool BenchProgram::read_arguments(int argc, char** argv, BenchOptions& options) 
         };
         app.add_option_function<std::string>(option.name, accept, option.help);
     }
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        exit_code_ = app.exit(error) == 0 ? 0 : 2;
-        return false;
-    }
-    return true;
+    const auto ended = command_line::read_arguments(app, argc, argv);
+    exit_code_ = ended.value_or(0);
+    return !ended;
 }
 
 void BenchProgram::print(const Json& fields) const {

@@ -1,14 +1,12 @@
 #include "tests/bench/plain_viewer.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "client/select/depth_picture.h"
 #include "codec/atlas/shared_chart.h"
+#include "tests/bench/jpeg_file.h"
 #include "tiles/layers/image_preparation.h"
 #include "tiles/layers/image_uses.h"
 #include "tiles/quadtree/object_spool.h"
@@ -39,25 +37,8 @@ double squared_error(const std::vector<uint8_t>& a, const std::vector<uint8_t>& 
     return sum / static_cast<double>(std::max<size_t>(1, a.size()));
 }
 
-/// A file in memory; empty when it cannot be written.
 std::vector<unsigned char> jpeg_of(const ChartImage& image, int quality) {
-    std::vector<unsigned char> file;
-    OIIO::Filesystem::IOVecOutput memory(file);
-    const auto output = OIIO::ImageOutput::create("image.jpg", &memory);
-    OIIO::ImageSpec spec(static_cast<int>(image.width), static_cast<int>(image.height), 3, OIIO::TypeDesc::UINT8);
-    spec.attribute("Compression", "jpeg:" + std::to_string(quality));
-    const bool written = output && output->open("image.jpg", spec) &&
-                         output->write_image(OIIO::TypeDesc::UINT8, image.rgb.data()) && output->close();
-    return written ? file : std::vector<unsigned char>();
-}
-
-/// What a JPEG shows; empty when it cannot be read.
-std::vector<uint8_t> pixels_of(const std::vector<unsigned char>& file, const ChartImage& like) {
-    OIIO::Filesystem::IOMemReader memory(const_cast<unsigned char*>(file.data()), file.size());
-    const auto input = OIIO::ImageInput::open("image.jpg", nullptr, &memory);
-    std::vector<uint8_t> pixels(like.rgb.size());
-    const bool read = input && input->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT8, pixels.data());
-    return read ? pixels : std::vector<uint8_t>();
+    return jpeg_file(image.rgb, image.width, image.height, quality);
 }
 
 /// The least quality whose squared error is at most `error`; the best where none reaches it.
@@ -65,7 +46,7 @@ int quality_for(const ChartImage& image, double error) {
     int low = kLeastQuality / kQualityStep, high = kBestQuality / kQualityStep;
     while (low < high) {
         const int middle = (low + high) / 2;
-        const auto pixels = pixels_of(jpeg_of(image, middle * kQualityStep), image);
+        const auto pixels = jpeg_pixels(jpeg_of(image, middle * kQualityStep), image.width, image.height);
         const bool good = !pixels.empty() && squared_error(image.rgb, pixels) <= error;
         (good ? high : low) = good ? middle : middle + 1;
     }

@@ -112,6 +112,11 @@ Result<SampleCity> open_city(const std::string& archive) {
         if (!maps) return about(archive, maps.error().text());
         city.maps = std::move(*maps);
     }
+    if (city.manifest.shared_chart_count > 0) {
+        auto charts = tileset::parse_chart_index(city.archive->find(tileset::kChartIndexPath), city.manifest);
+        if (!charts) return about(archive, charts.error().text());
+        city.charts = std::move(*charts);
+    }
     return city;
 }
 

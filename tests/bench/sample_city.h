@@ -9,6 +9,7 @@
 
 #include "codec/result.h"
 #include "tiles/archive/archive.h"
+#include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/directory.h"
 #include "tiles/tileset/subtree.h"
 
@@ -40,6 +41,7 @@ struct SampleCity {
     tiles::tileset::Manifest manifest;
     std::vector<SubtreeBytes> subtrees;  ///< parents before children
     std::vector<tiles::tileset::FacadeMapRecord> maps;
+    std::vector<tiles::tileset::ChartRecord> charts;  ///< that tiles share
 
     /// Tiles without tiles below them, in the order of the directory.
     std::vector<const tiles::tileset::TileRecord*> leaves() const;

@@ -1,14 +1,15 @@
 #include "tests/bench/texture_viewer.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstring>
 
 #include "client/render/device_choice.h"
 #include "client/render/frame_constants.h"
 #include "client/render/frame_target.h"
+#include "client/render/graphics_pipeline.h"
 #include "client/render/lighting_layout.h"
-#include "client/render/pipelines.h"
 #include "codec/atlas/bc1.h"
 #include "tests/bench/texture_viewer.frag.h"
 #include "tests/bench/texture_viewer.vert.h"
@@ -269,8 +270,13 @@ void Viewer::make_pipeline() {
     input.pVertexBindingDescriptions = &binding;
     input.vertexAttributeDescriptionCount = static_cast<uint32_t>(attributes.size());
     input.pVertexAttributeDescriptions = attributes.data();
-    pipeline_ = create_attribute_pipeline(device_, target_.clear_pass, layout_, k_texture_viewer_vert,
-                                          k_texture_viewer_frag, input);
+    const std::array<VkShaderModule, 2> modules = {create_shader_module(device_, k_texture_viewer_vert),
+                                                   create_shader_module(device_, k_texture_viewer_frag)};
+    const std::array<VkPipelineShaderStageCreateInfo, 2> stages = {
+        shader_stage(VK_SHADER_STAGE_VERTEX_BIT, modules[0]), shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, modules[1])};
+    // The state of the client's own passes.
+    pipeline_ = create_graphics_pipeline(device_, target_.clear_pass, layout_, stages, {}, input);
+    for (VkShaderModule module : modules) vkDestroyShaderModule(device_.handle, module, nullptr);
 }
 
 void Viewer::record(VkCommandBuffer commands, const PlainConstants& constants) const {

@@ -73,7 +73,7 @@ TEST(ReportKnobs, CitiesAreBuiltAndFlownOncePerSaliencyAndRateDistortion) {
 
 /// One line on stderr that has the text.
 void expect_complaint(const Outcome& outcome, const std::string& text) {
-    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
     EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
 }

@@ -17,11 +17,6 @@ std::array<int32_t, 3> bc1_texel_on_cpu(const uint32_t block[2], uint32_t i) {
     return {texel.x, texel.y, texel.z};
 }
 
-std::array<int32_t, 4> bc1_cutout_texel_on_cpu(const uint32_t block[2], uint32_t i) {
-    const ivec4 texel = bc1_cutout_texel(uvec2(block[0], block[1]), i);
-    return {texel.x, texel.y, texel.z, texel.w};
-}
-
 int32_t bc4_texel_on_cpu(const uint32_t block[2], uint32_t i) {
     return bc4_texel(uvec2(block[0], block[1]), i);
 }

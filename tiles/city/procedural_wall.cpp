@@ -84,66 +84,98 @@ Grid choose_grid(WallUse use, Random& random) {
     return {1, side, 1, side};
 }
 
+Masonry brick(Rgb colour, Random& random) {
+    return {colour,
+            scaled({176, 166, 152}, random.between(70, 110)),
+            random.between(21, 29) * 10,
+            random.between(65, 85),
+            12,
+            50,
+            random.between(8, 22),
+            random.between(0, 12)};
+}
+
+Masonry plaster(Rgb colour, Random& random) {
+    return {colour, scaled(colour, 96), 0, random.between(15, 60) * 100, random.chance(40) ? 25 : 0, 0, 2, 0};
+}
+
+Masonry ashlar(Rgb colour, Random& random) {
+    return {colour,
+            scaled(colour, random.between(68, 88)),
+            random.between(50, 95) * 10,
+            random.between(28, 48) * 10,
+            random.between(10, 22),
+            50,
+            random.between(4, 11),
+            4};
+}
+
+Masonry rubble(Rgb colour, Random& random) {
+    return {colour,
+            scaled(colour, random.between(105, 125)),
+            random.between(28, 55) * 10,
+            random.between(16, 30) * 10,
+            30,
+            random.between(30, 60),
+            20,
+            14};
+}
+
+Masonry panel(Rgb colour, Random& random) {
+    return {colour,
+            scaled(colour, random.between(45, 75)),
+            random.between(12, 36) * 100,
+            random.between(9, 30) * 100,
+            random.between(15, 40),
+            0,
+            random.between(2, 7),
+            2};
+}
+
+Masonry tiles(Rgb colour, Random& random) {
+    return {colour,
+            scaled(colour, random.between(72, 120)),
+            random.between(10, 30) * 10,
+            random.between(6, 15) * 10,
+            12,
+            random.chance(50) ? 0 : 50,
+            random.between(6, 16),
+            5};
+}
+
+Masonry siding(Rgb colour, Random& random) {
+    return {colour,
+            scaled(colour, random.between(55, 75)),
+            random.between(20, 40) * 100,
+            random.between(12, 22) * 10,
+            22,
+            43,
+            random.between(3, 9),
+            3};
+}
+
+Masonry sheet(Rgb colour, Random& random) {
+    return {colour, scaled(colour, random.between(60, 80)), random.between(25, 60) * 10, 6000, 30, 0, 3, 0};
+}
+
 Masonry masonry_of(Build build, Rgb colour, Random& random) {
     switch (build) {
         case Build::kBrick:
-            return {colour,
-                    scaled({176, 166, 152}, random.between(70, 110)),
-                    random.between(21, 29) * 10,
-                    random.between(65, 85),
-                    12,
-                    50,
-                    random.between(8, 22),
-                    random.between(0, 12)};
+            return brick(colour, random);
         case Build::kPlaster:
-            return {colour, scaled(colour, 96), 0, random.between(15, 60) * 100, random.chance(40) ? 25 : 0, 0, 2, 0};
+            return plaster(colour, random);
         case Build::kAshlar:
-            return {colour,
-                    scaled(colour, random.between(68, 88)),
-                    random.between(50, 95) * 10,
-                    random.between(28, 48) * 10,
-                    random.between(10, 22),
-                    50,
-                    random.between(4, 11),
-                    4};
+            return ashlar(colour, random);
         case Build::kRubble:
-            return {colour,
-                    scaled(colour, random.between(105, 125)),
-                    random.between(28, 55) * 10,
-                    random.between(16, 30) * 10,
-                    30,
-                    random.between(30, 60),
-                    20,
-                    14};
+            return rubble(colour, random);
         case Build::kPanel:
-            return {colour,
-                    scaled(colour, random.between(45, 75)),
-                    random.between(12, 36) * 100,
-                    random.between(9, 30) * 100,
-                    random.between(15, 40),
-                    0,
-                    random.between(2, 7),
-                    2};
+            return panel(colour, random);
         case Build::kTiles:
-            return {colour,
-                    scaled(colour, random.between(72, 120)),
-                    random.between(10, 30) * 10,
-                    random.between(6, 15) * 10,
-                    12,
-                    random.chance(50) ? 0 : 50,
-                    random.between(6, 16),
-                    5};
+            return tiles(colour, random);
         case Build::kSiding:
-            return {colour,
-                    scaled(colour, random.between(55, 75)),
-                    random.between(20, 40) * 100,
-                    random.between(12, 22) * 10,
-                    22,
-                    43,
-                    random.between(3, 9),
-                    3};
+            return siding(colour, random);
         case Build::kSheet:
-            return {colour, scaled(colour, random.between(60, 80)), random.between(25, 60) * 10, 6000, 30, 0, 3, 0};
+            return sheet(colour, random);
     }
     return {};
 }

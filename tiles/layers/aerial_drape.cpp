@@ -177,42 +177,66 @@ std::vector<double> world_file_of(const std::string& path) {
     return {};
 }
 
-/// Splits "IMAGE,XMIN,YMIN,XMAX,YMAX"; the path may hold commas itself.
-std::pair<std::string, std::vector<double>> path_and_place(const std::string& text) {
+/// The place of the comma before the last four parts; npos: there are fewer commas.
+size_t comma_before_place(std::string_view text) {
     size_t comma = text.size();
-    for (int i = 0; i < 4 && comma != std::string::npos && comma > 0; ++i) comma = text.rfind(',', comma - 1);
-    if (comma == std::string::npos || comma == 0 || comma == text.size()) return {text, {}};
-    const std::vector<double> numbers = numbers_in(std::string_view(text).substr(comma + 1));
-    if (numbers.size() != 4) return {text, {}};
-    return {text.substr(0, comma), numbers};
+    for (int i = 0; i < 4 && comma != std::string_view::npos; ++i)
+        comma = comma == 0 ? std::string_view::npos : text.rfind(',', comma - 1);
+    return comma;
+}
+
+bool covers_area(const std::array<double, 4>& place) {
+    return place[2] > place[0] && place[3] > place[1];
+}
+
+Error no_area(const std::string& path) {
+    return Error{"aerial image " + path +
+                 " covers no area, or is mirrored: XMIN,YMIN,XMAX,YMAX are west, south, east, north"};
+}
+
+/// What the world file beside an image says. It gives the middle of the upper left texel.
+Result<std::array<double, 4>> place_beside(const std::string& path, const ImageFile& file) {
+    const std::vector<double> world = world_file_of(path);
+    if (world.size() != 6)
+        return Error{"aerial image " + path + " has no place: put a world file beside it or add ,XMIN,YMIN,XMAX,YMAX"};
+    if (world[1] != 0 || world[2] != 0)
+        return Error{"aerial image " + path + " is turned by its world file: warp it so that north is up"};
+    const double xmin = world[4] - world[0] / 2, ymax = world[5] - world[3] / 2;
+    return std::array{xmin, ymax + world[3] * file.height(), xmin + world[0] * file.width(), ymax};
 }
 
 }  // namespace
 
-Result<AerialImage> open_aerial(const std::string& text) {
-    const auto [path, place] = path_and_place(text);
-    const auto file = ImageFile::open(path);
-    if (!file) return file.error();
-    AerialImage image{path, 0, 0, 0, 0, (*file)->width(), (*file)->height()};
-    if (place.size() == 4) {
-        image.xmin = place[0], image.ymin = place[1], image.xmax = place[2], image.ymax = place[3];
-    } else {
-        const std::vector<double> world = world_file_of(path);
-        if (world.size() != 6)
-            return Error{"aerial image " + path +
-                         " has no place: put a world file beside it or add ,XMIN,YMIN,XMAX,YMAX"};
-        if (world[1] != 0 || world[2] != 0)
-            return Error{"aerial image " + path + " is turned by its world file: warp it so that north is up"};
-        // The world file says where the middle of the upper left texel is.
-        image.xmin = world[4] - world[0] / 2;
-        image.ymax = world[5] - world[3] / 2;
-        image.xmax = image.xmin + world[0] * image.width;
-        image.ymin = image.ymax + world[3] * image.height;
+Result<AerialRequest> parse_aerial(const std::string& text) {
+    const size_t comma = comma_before_place(text);
+    if (comma != std::string::npos && comma > 0) {
+        const std::vector<double> numbers = numbers_in(std::string_view(text).substr(comma + 1));
+        if (numbers.size() == 4) {
+            const AerialRequest request{text.substr(0, comma),
+                                        std::array{numbers[0], numbers[1], numbers[2], numbers[3]}};
+            if (!covers_area(*request.place)) return no_area(request.path);
+            return request;
+        }
     }
-    if (!(image.xmax > image.xmin) || !(image.ymax > image.ymin))
-        return Error{"aerial image " + path +
-                     " covers no area, or is mirrored: XMIN,YMIN,XMAX,YMAX are west, south, east, north"};
-    return image;
+    std::error_code failed;
+    if (text.find(',') != std::string::npos && !std::filesystem::exists(text, failed))
+        return Error{
+            "aerial image " + text +
+            ": what follows the image is not XMIN,YMIN,XMAX,YMAX, four numbers, and no file has all of this as "
+            "its name"};
+    return AerialRequest{text, std::nullopt};
+}
+
+Result<AerialImage> open_aerial(const std::string& text) {
+    const auto request = parse_aerial(text);
+    if (!request) return request.error();
+    const auto file = ImageFile::open(request->path);
+    if (!file) return file.error();
+    const auto place = request->place ? Result(*request->place) : place_beside(request->path, **file);
+    if (!place) return place.error();
+    if (!covers_area(*place)) return no_area(request->path);
+    const auto& [xmin, ymin, xmax, ymax] = *place;
+    return AerialImage{request->path, xmin, ymin, xmax, ymax, (*file)->width(), (*file)->height()};
 }
 
 void AerialDrape::drape(CityObject& object) {

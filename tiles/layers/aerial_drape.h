@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,8 +23,18 @@ struct AerialImage {
     uint32_t width = 0, height = 0;
 };
 
-/// "IMAGE,XMIN,YMIN,XMAX,YMAX", or "IMAGE" with a world file beside it (.tfw, .jgw, .pgw, .tifw ..., .wld). Error: one
-/// line, if the image cannot be opened, or its place is missing, empty, or turned.
+/// A photograph as it is asked for.
+struct AerialRequest {
+    std::string path;
+    std::optional<std::array<double, 4>> place;  ///< xmin, ymin, xmax, ymax; none: a world file says it
+};
+
+/// "IMAGE,XMIN,YMIN,XMAX,YMAX" or "IMAGE"; the path may hold commas itself. Error: one line, if the numbers are no four
+/// or bound no area. Whether there is such an image is not asked, unless its name ends in what could be numbers.
+Result<AerialRequest> parse_aerial(const std::string& text);
+
+/// parse_aerial, then the image and, without numbers, the world file beside it (.tfw, .jgw, .pgw, .tifw ..., .wld).
+/// Error: one line, if the image cannot be opened, or its place is missing, empty, or turned.
 Result<AerialImage> open_aerial(const std::string& text);
 
 class AerialDrape {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "tiles/layers/cutout.h"
 #include "tiles/layers/outline.h"
 #include "tiles/layers/surface_distance.h"
 
@@ -21,6 +22,7 @@ constexpr double kRoofSlope = 0.5;
 constexpr size_t kFacadeTriangles = 2;
 constexpr size_t kMeasuredPairs = 1 << 18;  // triangles times triangles; beyond it an object is left to decimation
 constexpr size_t kDirections = 24;
+constexpr double kAnyDistance = 1e9;  // metres: what a crowd loses is told, not limited
 
 /// Sum of colours in linear light.
 struct ColourSum {
@@ -216,16 +218,35 @@ BuildObject crowd_box(const std::vector<BuildObject>& objects, const std::vector
     return box;
 }
 
+/// All triangles of the members in one object, to be thinned together.
+BuildObject joined(const std::vector<BuildObject>& objects, const std::vector<CrowdMember>& members) {
+    BuildObject all;
+    all.kind = objects[members[0].object].kind;
+    for (const CrowdMember& member : members) {
+        const BuildObject& object = objects[member.object];
+        const auto base = static_cast<uint32_t>(all.vertices.size());
+        all.vertices.insert(all.vertices.end(), object.vertices.begin(), object.vertices.end());
+        for (BuildTriangle triangle : object.triangles) {
+            for (uint32_t& v : triangle.vertex) v += base;
+            triangle.paint = all.paint_index(object.paints[triangle.paint]);
+            all.triangles.push_back(triangle);
+        }
+        all.error = std::max(all.error, object.error);
+    }
+    return all;
+}
+
 }  // namespace
 
 BlockColours mean_colours(const BuildObject& object, ImageCache& images, FacadePainter& facades) {
     ColourSum walls, roofs;
     for (const BuildTriangle& triangle : object.triangles) {
         const auto n = normal_of(object, triangle);
-        const double area = length_of(n);
-        const auto rgb = colour_of(object.paints[triangle.paint], images, facades);
-        if (std::abs(n[2]) < kRoofSlope * area) walls.add(rgb, area);
-        if (n[2] >= kRoofSlope * area) roofs.add(rgb, area);
+        const Paint& paint = object.paints[triangle.paint];
+        const double area = length_of(n) * (paint.kind == PaintKind::kMaterial ? images.there_share(paint.a) : 1);
+        const auto rgb = colour_of(paint, images, facades);
+        if (std::abs(n[2]) < kRoofSlope * length_of(n)) walls.add(rgb, area);
+        if (n[2] >= kRoofSlope * length_of(n)) roofs.add(rgb, area);
     }
     for (const BuildFacade& facade : object.facades) {
         const double area = 2 * std::hypot(facade.along[0], facade.along[1]) * facade.height;
@@ -269,7 +290,12 @@ std::optional<BuildObject> make_block(const BuildObject& object, double allowed,
 }
 
 void merge_crowds(std::vector<BuildObject>& objects, int64_t cell, ImageCache& images, FacadePainter& facades) {
-    std::map<std::array<int64_t, 2>, std::vector<CrowdMember>> cells;
+    struct Cell {
+        int64_t y, x;
+        bool see_through;
+        auto operator<=>(const Cell&) const = default;
+    };
+    std::map<Cell, std::vector<CrowdMember>> cells;
     const auto cell_of = [cell](int64_t a, int64_t b) {
         const int64_t middle = a + (b - a) / 2;
         return middle >= 0 ? middle / cell : (middle + 1) / cell - 1;
@@ -278,20 +304,27 @@ void merge_crowds(std::vector<BuildObject>& objects, int64_t cell, ImageCache& i
         if (objects[i].ground()) continue;
         const GridBox box = objects[i].box();
         if (box.hi.x - box.lo.x >= cell || box.hi.y - box.lo.y >= cell || box.hi.z - box.lo.z >= cell) continue;
-        cells[{cell_of(box.lo.y, box.hi.y), cell_of(box.lo.x, box.hi.x)}].push_back({i, box});
+        cells[{cell_of(box.lo.y, box.hi.y), cell_of(box.lo.x, box.hi.x), see_through(objects[i], images)}].push_back(
+            {i, box});
     }
     std::vector<bool> gone(objects.size());
-    std::vector<BuildObject> boxes;
+    std::vector<BuildObject> merged;
     for (const auto& [at, members] : cells) {
         if (members.size() < 2) continue;
-        boxes.push_back(crowd_box(objects, members, images, facades));
+        if (at.see_through) {
+            BuildObject all = joined(objects, members);
+            auto thin = thin_faces(all, kAnyDistance, images);
+            merged.push_back(thin ? std::move(*thin) : std::move(all));
+        } else {
+            merged.push_back(crowd_box(objects, members, images, facades));
+        }
         for (const CrowdMember& member : members) gone[member.object] = true;
     }
     std::vector<BuildObject> kept;
     for (size_t i = 0; i < objects.size(); ++i) {
         if (!gone[i]) kept.push_back(std::move(objects[i]));
     }
-    kept.insert(kept.end(), std::make_move_iterator(boxes.begin()), std::make_move_iterator(boxes.end()));
+    kept.insert(kept.end(), std::make_move_iterator(merged.begin()), std::make_move_iterator(merged.end()));
     objects = std::move(kept);
 }
 

@@ -24,8 +24,8 @@ std::optional<quadtree::BuildObject> make_block(const quadtree::BuildObject& obj
                                                 FacadePainter& facades);
 
 /// Replaces objects that are smaller than `cell` grid units in every direction, cell by cell, by one box of the same
-/// footprint area and mean height (its error: measured between their bounds and the box). Alone in its cell an object
-/// stays as it is.
+/// footprint area and mean height (its error: measured between their bounds and the box). What can be seen
+/// through makes no box but fewer faces of its own (cutout.h). Alone in its cell an object stays as it is.
 void merge_crowds(std::vector<quadtree::BuildObject>& objects, int64_t cell, ImageCache& images,
                   FacadePainter& facades);
 

@@ -12,6 +12,7 @@
 
 #include "tiles/layers/city_archive.h"
 #include "tiles/layers/flat_ground.h"
+#include "tiles/layers/memory_plan.h"
 #include "tiles/layers/reference_glb.h"
 #include "tiles/layers/tile_pipeline.h"
 
@@ -48,6 +49,7 @@ class CityBuild {
         summary.stages = clock_.times();
         summary.peak_memory_bytes = peak_memory();
         summary.images = images_;
+        summary.tiles_kept_in_charts = tiles_kept_in_charts_;
         if (dresser_) {
             summary.dressing = dresser_->report();
             summary.dressing->hidden_by_neighbours = hidden_facades_;
@@ -123,8 +125,9 @@ class CityBuild {
         const auto prepared = prepare_city_images();
         if (!prepared) return prepared.error();
         clock_.lap("images");
-        ImageCache images(catalog_, static_cast<size_t>(options_.memory_limit / 6), prepared->get());
-        FacadePainter facades(catalog_, images);
+        const MemoryPlan memory = plan_memory(options_.memory_limit, resident_memory());
+        ImageCache images(catalog_, static_cast<size_t>(memory.images), prepared->get());
+        FacadePainter facades(catalog_, images, static_cast<size_t>(memory.facades));
         const auto numbers = number_facades(*objects_, catalog_.facade_maps, options_.merge_tolerance_mm);
         if (!numbers) return numbers.error();
         const auto dictionary = encode_facades(*numbers);
@@ -133,12 +136,14 @@ class CityBuild {
         Preview preview(objects_->extent(), images);
         TileWorkshop workshop{
             catalog_, images, facades, *numbers, options_.layers, tree->origin, {options_.rate_distortion}};
-        if (in_pages()) workshop.pages = {options_.page_mips, options_.rate_distortion};
         ChartDictionary charts;
         auto tiles = build_tiles({options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, charts,
-                                  *chart_spool_, preview, clock_, made_up_ground});
+                                  *chart_spool_, preview, clock_, memory.work, made_up_ground});
         if (!tiles) return tiles.error();
-        for (const BuiltTile& tile : *tiles) hidden_facades_ += tile.hidden_facades;
+        for (const BuiltTile& tile : *tiles) {
+            hidden_facades_ += tile.hidden_facades;
+            tiles_kept_in_charts_ += tile.kept_in_charts ? 1 : 0;
+        }
         fill_manifest(*tree, tiles->front().record.bounds, made_up_ground);
         manifest_.build_options += merging_text(*numbers);
         const std::vector<std::byte> picture = preview.encode(folder_->path() + "/preview.png");
@@ -167,7 +172,7 @@ class CityBuild {
         if (has_atlas()) how.saliency = options_.saliency;
         how.texel_metres = options_.texture_law.finest;
         how.jobs = options_.jobs;
-        how.budget_bytes = options_.memory_limit / 2;
+        how.budget_bytes = options_.memory_limit / 2;  // what an image becomes depends on it, so on nothing else
         how.cancel = options_.cancel;
         how.progress = options_.progress;
         std::vector<city::Defect> defects;
@@ -223,8 +228,13 @@ class CityBuild {
             manifest_.build_options += " texture-law=" + law;
         if (options_.rate_distortion > 0 && has_atlas())
             manifest_.build_options += fmt::format(" rate-distortion={}", options_.rate_distortion);
-        if (in_pages() && has_atlas())
-            manifest_.build_options += fmt::format(" atlas-form=pages page-mips={}", options_.page_mips);
+        if (in_pages() && has_atlas()) manifest_.build_options += pages_text();
+    }
+
+    std::string pages_text() const {
+        return fmt::format(" atlas-form=pages page-mips={}{}",
+                           options_.page_mips ? std::to_string(*options_.page_mips) : "law",
+                           options_.page_shape == codec::atlas::PageShape::kTight ? "" : " page-shape=power-of-two");
     }
 
     const BuildOptions& options_;
@@ -237,7 +247,7 @@ class CityBuild {
     bool ground_made_to_drape_ = false;
     std::optional<ReliefExtractor> extractor_;
     tileset::Manifest manifest_;
-    uint64_t hidden_facades_ = 0;
+    uint64_t hidden_facades_ = 0, tiles_kept_in_charts_ = 0;
     std::optional<ImagePreparationReport> images_;
     std::unique_ptr<quadtree::SpoolFolder> folder_;  // before the files in it, so that it goes last
     std::unique_ptr<quadtree::ObjectSpool> objects_;
@@ -250,8 +260,10 @@ class CityBuild {
 Result<BuildSummary> build_city(const BuildOptions& options, const CitySource& source, city::CityReport& report) {
     if (options.atlas_form == codec::atlas::AtlasForm::kPages) {
         if (options.shared_charts) return Error{"pages share no charts (their charts lie in the tiles)"};
+        if (!options.page_mips && !options.texture_law.levels)
+            return Error{"a texture law without levels does not say how many mips pages have"};
         if (options.page_mips > PAGES_MOST_MIPS)
-            return Error{fmt::format("pages of {} mips; at most {} are possible", options.page_mips, PAGES_MOST_MIPS)};
+            return Error{fmt::format("pages of {} mips; at most {} are possible", *options.page_mips, PAGES_MOST_MIPS)};
     }
     return CityBuild(options, report).run(source);
 }

@@ -161,9 +161,8 @@ class Choice {
 };
 
 Result<std::vector<CodedChart>> code_all(std::span<const CityWishes::Candidate> candidates, const ChartSources& sources,
-                                         const BuildOptions& options, quadtree::SpoolFile& spool) {
+                                         const BuildOptions& options, MemoryGate& gate, quadtree::SpoolFile& spool) {
     std::vector<CodedChart> coded(candidates.size());
-    MemoryGate gate(options.memory_limit / 2);
     BuildStage stage(options, "charts", candidates.size());
     const Status status = stage.run(candidates.size(), [&](size_t i) -> Status {
         const CityWishes::Candidate& candidate = candidates[i];
@@ -186,9 +185,10 @@ Result<std::vector<CodedChart>> code_all(std::span<const CityWishes::Candidate> 
 }  // namespace
 
 Result<ChartDictionary> ChartDictionary::make(CityWishes& wishes, const ChartSources& sources,
-                                              const BuildOptions& options, quadtree::SpoolFile& spool) {
+                                              const BuildOptions& options, MemoryGate& gate,
+                                              quadtree::SpoolFile& spool) {
     const std::vector<CityWishes::Candidate> candidates = wishes.take_candidates();
-    const auto coded = code_all(candidates, sources, options, spool);
+    const auto coded = code_all(candidates, sources, options, gate, spool);
     if (!coded) return coded.error();
     Choice choice(candidates, *coded, spool);
     if (Status status = choice.find_equal(); !status) return status.error();

@@ -11,6 +11,7 @@
 #include "tiles/layers/build_city.h"
 #include "tiles/layers/chart_wishes.h"
 #include "tiles/layers/facade_painter.h"
+#include "tiles/layers/memory_gate.h"
 #include "tiles/quadtree/spool_file.h"
 
 namespace citystream::tiles::layers {
@@ -29,7 +30,7 @@ class ChartDictionary final : public ChartShelf {
     /// colour are never kept; of equal ones there is one. Payloads go to `spool`, which has to stay. The result does
     /// not depend on the number of threads. Tells its progress as stage "charts". Error: the disk, interrupted.
     static Result<ChartDictionary> make(CityWishes& wishes, const ChartSources& sources, const BuildOptions& options,
-                                        quadtree::SpoolFile& spool);
+                                        MemoryGate& gate, quadtree::SpoolFile& spool);
 
     std::optional<SharedChart> take(const ChartKey& key, double coarseness, uint64_t texels) override;
 

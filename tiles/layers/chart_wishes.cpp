@@ -14,13 +14,23 @@ void add_demand(ChartDemand& sum, const ChartDemand& more) {
     sum.texels += more.texels;
 }
 
+SharedChart granted(const ChartKey& key, double coarseness) {
+    return {0, coarseness, key.is_image() ? 0 : coarseness};
+}
+
 }  // namespace
 
 std::optional<SharedChart> TileWishes::take(const ChartKey& key, double coarseness, uint64_t texels) {
     ChartDemand& demand = demands_[key];
     add_demand(demand, {UINT64_MAX, 1, coarseness, texels});
     demand.tiles = 1;
-    return SharedChart{0, coarseness, key.is_image() ? 0 : coarseness};
+    return granted(key, coarseness);
+}
+
+std::optional<SharedChart> OwnTexels::take(const ChartKey& key, double coarseness, uint64_t texels) {
+    if (auto shared = shelf_ == nullptr ? std::nullopt : shelf_->take(key, coarseness, texels)) return shared;
+    count_ += texels;
+    return granted(key, coarseness);
 }
 
 void CityWishes::add(uint64_t rank, const TileWishes& tile) {

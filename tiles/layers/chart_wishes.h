@@ -55,6 +55,19 @@ class TileWishes final : public ChartShelf {
     std::map<ChartKey, ChartDemand> demands_;
 };
 
+/// What another shelf (may be null) has, and everything else as well, of which it counts the texels: those that a tile
+/// has to make itself.
+class OwnTexels final : public ChartShelf {
+  public:
+    explicit OwnTexels(ChartShelf* shelf) : shelf_(shelf) {}
+    std::optional<SharedChart> take(const ChartKey& key, double coarseness, uint64_t texels) override;
+    uint64_t count() const { return count_; }
+
+  private:
+    ChartShelf* shelf_;
+    uint64_t count_ = 0;
+};
+
 /// Of all tiles. Thread-safe; the sum does not depend on the order of tiles. About 80 bytes a key.
 class CityWishes {
   public:

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tiles/layers/block.h"
+#include "tiles/layers/cutout.h"
 #include "tiles/layers/decimate.h"
 #include "tiles/layers/ground.h"
 
@@ -47,7 +48,9 @@ class Coarsener {
 
     void coarsen_object(BuildObject& object) const {
         if (allowed(object) <= 0) return;
-        if (!shows_pictures(object)) {
+        if (see_through(object, workshop_.images)) {
+            if (auto thin = thin_faces(object, allowed(object), workshop_.images)) object = std::move(*thin);
+        } else if (!shows_pictures(object)) {
             if (auto block = make_block(object, allowed(object), workshop_.images, workshop_.facades)) {
                 object = std::move(*block);
                 return;

@@ -22,8 +22,9 @@ struct CoarseContent {
 };
 
 /// Makes flat walls of facades whose relief times kReliefWeight is below the error, plain colours of those that are not
-/// much larger than it, outline blocks of buildings that show no other facade, boxes of crowds of small things, coarser
-/// ground. The error is raised (and told) only when the tile would have more triangles than the limit. Deterministic.
+/// much larger than it, outline blocks of buildings that show no other facade, boxes of crowds of small things, fewer
+/// and larger faces of what is cut out by alpha, coarser ground. The error is raised (and told) only when the tile
+/// would have more triangles than the limit. Deterministic.
 CoarseContent coarsen(TileContent children, const CoarsenSpec& spec, const TileWorkshop& workshop);
 
 }  // namespace citystream::tiles::layers

@@ -30,9 +30,7 @@ struct FacadeFacts {
 
 class FacadePainter {
   public:
-    static constexpr size_t kBudgetBytes = size_t{64} << 20;
-
-    FacadePainter(const city::CityCatalog& catalog, ImageCache& images, size_t budget_bytes = kBudgetBytes)
+    FacadePainter(const city::CityCatalog& catalog, ImageCache& images, size_t budget_bytes)
         : catalog_(catalog), images_(images), budget_(budget_bytes) {}
 
     const FacadeFacts& facts(uint32_t map);

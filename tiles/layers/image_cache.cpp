@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "codec/atlas/alpha_mask.h"
+
 namespace citystream::tiles::layers {
 namespace {
 
@@ -162,6 +164,29 @@ bool ImageCache::has_alpha(uint32_t image) {
     return finest && !finest->alpha.empty();
 }
 
+/// The finest mip of few enough texels for a mean.
+std::shared_ptr<const ChartImage> ImageCache::small_mip(uint32_t image) {
+    uint32_t level = prepared_ == nullptr ? 0 : prepared_->level_of_size(image, kMeanTexels);
+    auto pixels = mip(image, level);
+    while (pixels && uint64_t{pixels->width} * pixels->height > kMeanTexels) pixels = mip(image, ++level);
+    return pixels;
+}
+
+double ImageCache::there_share(uint32_t material) {
+    const city::Material& m = catalog_.materials[material];
+    if (m.image < 0) return 1;
+    const auto image = static_cast<uint32_t>(m.image);
+    {
+        const std::lock_guard lock(mutex_);
+        const auto found = there_.find(image);
+        if (found != there_.end()) return found->second;
+    }
+    const auto pixels = has_alpha(image) ? small_mip(image) : nullptr;
+    const double share = pixels ? codec::atlas::there_of(*pixels).value() : 1;
+    const std::lock_guard lock(mutex_);
+    return there_[image] = share;
+}
+
 std::array<uint8_t, 3> ImageCache::mean_colour(uint32_t material) {
     const city::Material& m = catalog_.materials[material];
     if (m.image < 0) return m.rgb;
@@ -171,9 +196,7 @@ std::array<uint8_t, 3> ImageCache::mean_colour(uint32_t material) {
         const auto found = means_.find(image);
         if (found != means_.end()) return found->second;
     }
-    uint32_t level = prepared_ == nullptr ? 0 : prepared_->level_of_size(image, kMeanTexels);
-    auto pixels = mip(image, level);
-    while (pixels && uint64_t{pixels->width} * pixels->height > kMeanTexels) pixels = mip(image, ++level);
+    const auto pixels = small_mip(image);
     if (!pixels) return m.rgb;
     const auto mean = mean_of(*pixels);
     const std::lock_guard lock(mutex_);

@@ -38,6 +38,9 @@ class ImageCache {
     /// Mean colour of a material, averaged in linear light; its flat colour when it has no readable image.
     std::array<uint8_t, 3> mean_colour(uint32_t material);
 
+    /// The share of a material's image that is there where it has alpha (alpha_mask.h), 0..1; 1 without.
+    double there_share(uint32_t material);
+
     std::vector<city::Defect> take_defects();
 
     /// The most that was kept at a time.
@@ -52,6 +55,7 @@ class ImageCache {
     void keep(uint64_t key, const std::shared_ptr<const ChartImage>& pixels);
     std::shared_ptr<const ChartImage> load(uint32_t image, uint32_t level);
     std::shared_ptr<const ChartImage> make(uint32_t image, uint32_t level);
+    std::shared_ptr<const ChartImage> small_mip(uint32_t image);
     std::shared_ptr<const ChartImage> give_up(uint32_t image, const std::string& why);
     Result<ChartImage> decode(uint32_t image) const;
 
@@ -65,6 +69,7 @@ class ImageCache {
     std::list<uint64_t> uses_;  // most recent first
     std::set<uint32_t> failed_;
     std::map<uint32_t, std::array<uint8_t, 3>> means_;
+    std::map<uint32_t, double> there_;
     std::vector<city::Defect> defects_;
 };
 

@@ -7,9 +7,11 @@
 #include <optional>
 #include <system_error>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "codec/atlas/alpha_mask.h"
+#include "tiles/layers/png_file.h"
 
 namespace citystream::tiles::layers {
 namespace {
@@ -38,28 +40,32 @@ void pick_channel(std::span<const uint8_t> raw, size_t channels, size_t channel,
     for (size_t i = 0; i < out.size(); ++i) out[i] = raw[i * channels + channel];
 }
 
-}  // namespace
+/// Limits that hold before anything is allocated by a size that a file claims.
+Status check_size(int64_t width, int64_t height) {
+    const auto good = [](int64_t side) { return side >= 1 && side <= ImageFile::kGreatestSide; };
+    if (good(width) && good(height) && static_cast<uint64_t>(width * height) <= ImageFile::kGreatestPixels)
+        return Done{};
+    return Error{"size " + std::to_string(width) + " x " + std::to_string(height) + " is out of range"};
+}
 
-struct ImageFile::Input {
+/// Rows of any format, through OpenImageIO.
+struct AnyRows {
     std::unique_ptr<OIIO::ImageInput> file;
-    std::string path;
     OIIO::TypeDesc format;  ///< of every channel in the file
     size_t pixel_bytes = 0;
     bool tiled = false;
-    uint32_t channels = 0, strip_rows = kStripRows;
-    std::optional<uint32_t> alpha;  ///< channel
-    uint32_t width = 0, height = 0;
     int x = 0, y = 0, z = 0;  ///< of the top left pixel
+    uint32_t width = 0, channels = 0;
     std::vector<uint8_t> native;
 
-    /// `rows` rows from row `first` (counted from the top), all channels, 8 bits each.
-    bool read(uint32_t first, uint32_t rows, std::vector<uint8_t>& raw) {
-        raw.resize(size_t{rows} * width * channels);
-        const int begin = y + static_cast<int>(first), end = begin + static_cast<int>(rows);
+    Status read(uint32_t first, uint32_t count, std::vector<uint8_t>& raw) {
+        const int begin = y + static_cast<int>(first), end = begin + static_cast<int>(count);
         const bool read = tiled ? file->read_tiles(0, 0, x, x + static_cast<int>(width), begin, end, z, z + 1, 0,
                                                    static_cast<int>(channels), OIIO::TypeDesc::UINT8, raw.data())
                                 : read_scanlines(begin, end, raw);
-        return read && !file->has_error();  // some formats note a fault and go on with what they have
+        // Some formats note a fault and go on with what they have.
+        if (!read || file->has_error()) return Error{file->geterror()};
+        return Done{};
     }
 
   private:
@@ -73,6 +79,65 @@ struct ImageFile::Input {
     }
 };
 
+struct PngRows {
+    std::unique_ptr<PngFile> file;
+
+    Status read(uint32_t /*first*/, uint32_t /*count*/, std::vector<uint8_t>& raw) { return file->read_rows(raw); }
+};
+
+}  // namespace
+
+struct ImageFile::Input {
+    std::variant<AnyRows, PngRows> rows;
+    std::string path;
+    size_t native_bytes = 0;  ///< of a pixel, where they are held beside the rows
+    uint32_t channels = 0, strip_rows = kStripRows;
+    std::optional<uint32_t> alpha;  ///< channel
+    uint32_t width = 0, height = 0;
+
+    /// `count` rows from row `first` (counted from the top), all channels, 8 bits each. From the top to the bottom.
+    Status read(uint32_t first, uint32_t count, std::vector<uint8_t>& raw) {
+        raw.resize(size_t{count} * width * channels);
+        return std::visit([&](auto& of_format) { return of_format.read(first, count, raw); }, rows);
+    }
+
+    Status open_png();
+    Status open_any();
+};
+
+Status ImageFile::Input::open_png() {
+    auto file = PngFile::open(path, kGreatestSide);
+    if (!file) return file.error();
+    width = (*file)->width();
+    height = (*file)->height();
+    channels = (*file)->channels();
+    if (channels == 4) alpha = 3;
+    rows = PngRows{std::move(*file)};
+    return check_size(width, height);
+}
+
+Status ImageFile::Input::open_any() {
+    OIIO::ImageSpec wishes;
+    wishes.attribute("oiio:UnassociatedAlpha", 1);
+    auto file = OIIO::ImageInput::open(path, &wishes);
+    if (!file) return Error{OIIO::geterror()};
+    const OIIO::ImageSpec& spec = file->spec();
+    if (Status good = check_size(spec.width, spec.height); !good) return good;
+    if (spec.nchannels < 1 || spec.nchannels > kMostChannels)
+        return Error{std::to_string(spec.nchannels) + " channels are out of range"};
+    if (!spec.channelformats.empty()) return Error{"its channels are of several types"};
+    if (spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels)
+        alpha = static_cast<uint32_t>(spec.alpha_channel);
+    channels = static_cast<uint32_t>(spec.nchannels);
+    width = static_cast<uint32_t>(spec.width);
+    height = static_cast<uint32_t>(spec.height);
+    native_bytes = spec.pixel_bytes(true);
+    const bool tiled = spec.tile_width > 0;
+    if (tiled) strip_rows = static_cast<uint32_t>(std::max(spec.tile_height, 1));
+    rows = AnyRows{std::move(file), spec.format, native_bytes, tiled, spec.x, spec.y, spec.z, width, channels, {}};
+    return Done{};
+}
+
 ImageFile::ImageFile(std::unique_ptr<Input> input)
     : input_(std::move(input)), width_(input_->width), height_(input_->height) {}
 
@@ -85,39 +150,17 @@ Result<std::unique_ptr<ImageFile>> ImageFile::open(const std::string& path) {
     if (!std::filesystem::exists(status)) return fault("there is no such file");
     if (!std::filesystem::is_regular_file(status)) return fault("it is no file");
     if (std::filesystem::file_size(path, failed) == 0) return fault("the file is empty");
-    OIIO::ImageSpec wishes;
-    wishes.attribute("oiio:UnassociatedAlpha", 1);
     auto input = std::make_unique<Input>();
-    input->file = OIIO::ImageInput::open(path, &wishes);
-    if (!input->file) return fault(one_line(OIIO::geterror()));
-    const OIIO::ImageSpec& spec = input->file->spec();
-    const auto too_many = [](int value, uint64_t most) { return value < 1 || static_cast<uint64_t>(value) > most; };
-    if (too_many(spec.width, kGreatestSide) || too_many(spec.height, kGreatestSide) ||
-        too_many(spec.nchannels, kMostChannels) ||
-        static_cast<uint64_t>(spec.width) * static_cast<uint64_t>(spec.height) > kGreatestPixels) {
-        return fault("size " + std::to_string(spec.width) + " x " + std::to_string(spec.height) + " is out of range");
-    }
-    if (!spec.channelformats.empty()) return fault("its channels are of several types");
     input->path = path;
-    input->format = spec.format;
-    input->pixel_bytes = spec.pixel_bytes(true);
-    input->tiled = spec.tile_width > 0;
-    input->channels = static_cast<uint32_t>(spec.nchannels);
-    if (spec.alpha_channel >= 0 && spec.alpha_channel < spec.nchannels)
-        input->alpha = static_cast<uint32_t>(spec.alpha_channel);
-    input->width = static_cast<uint32_t>(spec.width);
-    input->height = static_cast<uint32_t>(spec.height);
-    if (input->tiled) input->strip_rows = static_cast<uint32_t>(std::max(spec.tile_height, 1));
+    const Status opened = PngFile::begins(path) ? input->open_png() : input->open_any();
+    if (!opened) return fault(one_line(opened.error().text()));
     input->strip_rows = std::min(input->strip_rows, input->height);
-    input->x = spec.x;
-    input->y = spec.y;
-    input->z = spec.z;
     return std::unique_ptr<ImageFile>(new ImageFile(std::move(input)));
 }
 
 uint64_t ImageFile::strip_bytes() const {
     return uint64_t{width_} * input_->strip_rows *
-           (3U + (has_alpha() ? 1U : 0U) + input_->channels + input_->pixel_bytes);
+           (3U + (has_alpha() ? 1U : 0U) + input_->channels + input_->native_bytes);
 }
 
 bool ImageFile::has_alpha() const {
@@ -128,8 +171,8 @@ Status ImageFile::visit_rows(const Visit& visit) {
     std::vector<uint8_t> raw, rgb, alpha;
     for (uint32_t y = 0; y < height_; y += input_->strip_rows) {
         const uint32_t count = std::min(input_->strip_rows, height_ - y);
-        if (!input_->read(y, count, raw))
-            return Error{"cannot decode image " + input_->path + ": " + one_line(input_->file->geterror())};
+        if (const Status read = input_->read(y, count, raw); !read)
+            return Error{"cannot decode image " + input_->path + ": " + one_line(read.error().text())};
         to_rgb(raw, input_->channels, rgb);
         if (input_->alpha) pick_channel(raw, input_->channels, *input_->alpha, alpha);
         visit(y, count, rgb, alpha);

@@ -1,6 +1,7 @@
 // Image files as rows of RGB bytes and of alpha, whatever they hold: 8 or 16 bits, palette, grey, CMYK, tiles or
-// scanlines. Colours are those that the file states beside its alpha (not multiplied by it). Files are read through
-// OpenImageIO, a strip of rows at a time, so that a picture need not fit into memory.
+// scanlines. Colours are those that the file states beside its alpha (not multiplied by it). Files are read a
+// strip of rows at a time, so that a picture need not fit into memory: PNG through libpng (png_file.h), all others
+// through OpenImageIO.
 #pragma once
 
 #include <cstdint>

@@ -100,15 +100,14 @@ class Preparation {
     struct Job {
         uint32_t image;
         const ImageUse& use;
-        ImagePreparationReport spent;        // only of this image
-        codec::atlas::AreaShare there = {};  // how much of it is there, with alpha
+        ImagePreparationReport spent;  // only of this image
     };
 
     void prepare_all(const std::vector<uint32_t>& used) {
         std::atomic<size_t> next = 0;
         const auto work = [&] {
             for (size_t i = next++; i < used.size() && !stopped(); i = next++) {
-                Job job{used[i], uses_[used[i]], {}, {}};
+                Job job{used[i], uses_[used[i]], {}};
                 const Status status = prepare(job);
                 finish(job, status, used.size());
             }
@@ -222,42 +221,33 @@ class Preparation {
         if (colour) return store(job, {1, 1, false, false, 0, {(*colour)[0], (*colour)[1], (*colour)[2]}});
         const bool repeat = !job.use.clamped;
         const codec::atlas::Edges edges{repeat, repeat};
-        const bool resampled = plan.size != ChartSize{image.width, image.height};
-        if (!resampled && !plan.searched) return store(job, std::move(image));
         image.repeat_u = image.repeat_v = repeat;
-        job.there = codec::atlas::there_of(image);
-        Image linear = resampled ? resample(image, plan.size.width, plan.size.height, Shrink::kLanczos, edges)
-                                 : linear_image(image);
-        image = {};
+        const codec::atlas::AreaShare there = codec::atlas::there_of(image);
+        if (plan.size != ChartSize{image.width, image.height}) {
+            image = chart_image(resample(image, plan.size.width, plan.size.height, Shrink::kLanczos, edges));
+            image.repeat_u = image.repeat_v = repeat;
+            codec::atlas::keep_share(image, there);
+        }
+        image.repeat_u = image.repeat_v = false;
         job.spent.match_seconds += seconds_since(begin);
-        if (plan.searched) return search(job, std::move(linear), edges);
-        return store(job, smaller_chart(job, linear, edges));
+        return plan.searched ? search(job, std::move(image), there, edges) : store(job, std::move(image));
     }
 
-    /// Of an image that was made smaller.
-    static ChartImage smaller_chart(const Job& job, const Image& image, codec::atlas::Edges edges) {
-        ChartImage chart = chart_image(image);
-        chart.repeat_u = edges.repeat_u;
-        chart.repeat_v = edges.repeat_v;
-        codec::atlas::keep_share(chart, job.there);
-        chart.repeat_u = chart.repeat_v = false;
-        return chart;
-    }
-
-    Status search(Job& job, Image linear, codec::atlas::Edges edges) {
+    Status search(Job& job, ChartImage image, codec::atlas::AreaShare there, codec::atlas::Edges edges) {
         const auto begin = Clock::now();
         codec::atlas::SearchSettings settings;
         settings.metric = of_shown_part(options_.saliency, job.use.shown_share());
         settings.edges = edges;
-        settings.order = codec::atlas::SearchOrder::kAlternate;
         settings.multiple = 4;  // charts of whole blocks
+        settings.there = there;
+        const Image linear = linear_image(image);
+        image = {};
         codec::atlas::SearchResult found = search_chart(linear, settings);
-        linear = {};
         job.spent.metric_calls = found.calls;
-        ChartImage chart = smaller_chart(job, found.image, edges);
+        image = chart_image(found.image);
         found.image = {};
         job.spent.search_seconds += seconds_since(begin);
-        return store(job, std::move(chart));
+        return store(job, std::move(image));
     }
 
     Status store(Job& job, ChartImage chart) {

@@ -35,6 +35,9 @@ inline constexpr double kFinestShare = 1.5;
 /// The size of an image of `width` x `height` texels that no tile exceeds: each axis halved while its texels are finer
 /// than tiles whose finest texel is of `texel_metres` show, at most 8192. Never larger than the image; as large where
 /// no triangle shows an area of it.
+/// Not the thesis's size (7.1, codec::atlas::view_size), which is resampled to that texel exactly: what tiles show are
+/// halvings of this image, so that one chart serves all levels and all tiles, and an image that is nearly as fine as
+/// wanted keeps its own texels instead of being filtered twice. It is 3/4 to 3/2 of the thesis's size a side.
 codec::atlas::ChartSize finest_size(codec::atlas::ChartSize image, const ImageUse& use, double texel_metres);
 
 }  // namespace citystream::tiles::layers

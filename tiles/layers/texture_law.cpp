@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <charconv>
 #include <cmath>
 #include <vector>
@@ -42,6 +43,11 @@ double TextureLaw::inner_texel(uint32_t height, double error_metres) const {
     return std::max(finest, error_metres / 2);
 }
 
+uint32_t TextureLaw::mips(uint32_t height) const {
+    assert(levels.has_value());
+    return levels->mips(std::min(height, levels->levels - 1));
+}
+
 Result<TextureLaw> parse_texture_law(std::string_view text) {
     TextureLaw law;
     if (text == "thesis") {
@@ -71,6 +77,7 @@ Result<TextureLaw> parse_texture_law(std::string_view text) {
 }
 
 std::string to_string(const TextureLaw& law) {
+    if (law.levels == codec::atlas::thesis_law()) return "thesis";
     if (law.levels) return fmt::format("{},{},{}", law.finest, law.levels->factor, law.levels->levels);
     return fmt::format("{}", law.finest);
 }

@@ -33,13 +33,15 @@ struct TextureLaw {
 
     /// Metres a texel of an inner tile. `height`: above the deepest leaf below it; levels of the law end at its root.
     double inner_texel(uint32_t height, double error_metres) const;
+    /// Mips that the law keeps beside the finest at a height (LevelLaw::mips). Precondition: it has levels.
+    uint32_t mips(uint32_t height) const;
 };
 
-/// "METRES,FACTOR,LEVELS", "thesis" (0.05,8,3) or "METRES" (`finest` without levels). Error: anything else, and what
-/// check_law refuses; one line.
+/// "METRES,FACTOR,LEVELS", "thesis" (0.05,8,3, of kPaper mips) or "METRES" (`finest` without levels). Error: anything
+/// else, and what check_law refuses; one line.
 Result<TextureLaw> parse_texture_law(std::string_view text);
 
-/// As parse_texture_law takes it.
+/// As parse_texture_law takes it; the thesis's law, whose mips no numbers give, by its name.
 std::string to_string(const TextureLaw& law);
 
 }  // namespace citystream::tiles::layers

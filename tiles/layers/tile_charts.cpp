@@ -160,7 +160,7 @@ void TileCharts::settle_whole(const ImageView& view, bool repeat) {
     ChartImage chart = *images_.mip(view.image, view.level);
     chart.repeat_u = chart.repeat_v = repeat;
     chart.metres_per_texel = view.metres();
-    use_whole(view, add(std::move(chart)), repeat);
+    use_whole(view, add(std::move(chart), texel_), repeat);
 }
 
 void TileCharts::use_whole(const ImageView& view, uint32_t chart, bool repeat) {
@@ -235,7 +235,7 @@ uint32_t TileCharts::add_crop(const ChartImage& image, const Crop& crop, float t
         const auto alpha = image.alpha.begin() + static_cast<ptrdiff_t>(first);
         chart.alpha.insert(chart.alpha.end(), alpha, alpha + static_cast<ptrdiff_t>(chart.width));
     }
-    return add(std::move(chart));
+    return add(std::move(chart), texel_);
 }
 
 ChartUse TileCharts::placed_use(uint32_t object, const Paint& paint) const {
@@ -319,7 +319,7 @@ uint32_t TileCharts::flat(const std::array<uint8_t, 3>& rgb) {
     return flats_[key] = add_own({1, 1, false, false, 0, {rgb[0], rgb[1], rgb[2]}});
 }
 
-uint32_t TileCharts::add(ChartImage image) {
+uint32_t TileCharts::add(ChartImage image, double asked_texel) {
     if (codec::atlas::all_there(image.alpha)) image.alpha = {};
     const auto colour = image.alpha.empty() ? codec::atlas::flat_colour(image.rgb) : std::nullopt;
     if (colour) return flat(*colour);
@@ -329,16 +329,19 @@ uint32_t TileCharts::add(ChartImage image) {
         ChartImage& there = own_[own_index_[entry->second]];
         if (!looks_equal(there, image)) continue;
         there.metres_per_texel = std::max(there.metres_per_texel, image.metres_per_texel);
+        float& asked = asked_[own_index_[entry->second]];
+        asked = std::min(asked, static_cast<float>(asked_texel));
         return entry->second;
     }
-    const uint32_t chart = add_own(std::move(image));
+    const uint32_t chart = add_own(std::move(image), asked_texel);
     by_content_.emplace(hash, chart);
     return chart;
 }
 
-uint32_t TileCharts::add_own(ChartImage image) {
+uint32_t TileCharts::add_own(ChartImage image, double asked_texel) {
     own_index_.push_back(static_cast<uint32_t>(own_.size()));
     own_.push_back(std::move(image));
+    asked_.push_back(static_cast<float>(asked_texel));
     return static_cast<uint32_t>(own_index_.size() - 1);
 }
 

@@ -57,6 +57,9 @@ class TileCharts {
     /// As encode_atlas takes them.
     std::span<const ChartImage> own_charts() const { return own_; }
     std::span<const codec::atlas::SharedChartUse> shared_charts() const { return shared_; }
+    /// Of each of own_charts(), metres a texel that it need not be finer than, 0: none; mips are taken as they are, and
+    /// are finer than asked for by up to kFinestShare (image_uses.h).
+    std::span<const float> asked_texels() const { return asked_; }
     /// Metres that what the triangles show is blurred by: a texel of images that were halved, of ground pictures and of
     /// facades drawn as pictures; of shared ones as they are in the dictionary. Zero when every image is shown as fine
     /// as it is.
@@ -106,8 +109,8 @@ class TileCharts {
     const FacadePicture& find_facade_picture(uint32_t map, uint32_t palette, double texel);
     ChartUse placed_use(uint32_t object, const quadtree::Paint& paint) const;
     /// Index of a chart that shows this image: a new one, or what there is already where it is of one colour or equal.
-    uint32_t add(ChartImage image);
-    uint32_t add_own(ChartImage image);
+    uint32_t add(ChartImage image, double asked_texel = 0);
+    uint32_t add_own(ChartImage image, double asked_texel = 0);
     uint32_t add_shared(uint32_t number, double metres_per_texel);
     bool is_one_texel(uint32_t chart) const;
 
@@ -120,6 +123,7 @@ class TileCharts {
     static constexpr uint32_t kNotOwn = UINT32_MAX;
     std::vector<uint32_t> own_index_;  // by chart: its place in own_, kNotOwn: shared
     std::vector<ChartImage> own_;
+    std::vector<float> asked_;  // like own_
     std::vector<codec::atlas::SharedChartUse> shared_;
     std::map<uint32_t, size_t> by_number_;  // of the dictionary: place in shared_
     std::multimap<codec::atlas::ContentHash, uint32_t> by_content_;

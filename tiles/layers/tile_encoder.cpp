@@ -8,6 +8,7 @@
 #include "codec/facade/facade_layer.h"
 #include "codec/mesh/mesh_layer.h"
 #include "codec/step_wire.h"
+#include "tiles/layers/page_places.h"
 #include "tiles/layers/skirts.h"
 #include "tiles/layers/tile_charts.h"
 
@@ -24,9 +25,11 @@ using tileset::Layer;
 // zstd. The 800 frames of a generated city of 1,000 buildings take 7.16 MB at level 6, 7.02 at 9, 6.93 at 12, 6.65 at
 // 15 and 6.31 at 19, in 0.13, 0.22, 0.45, 0.96 and 2.67 s: a city is built once and sent often.
 constexpr int kStepLevel = 19;
-constexpr int kBaseHeightBits = 16;  // coarser than every bit that a mesh step drops, so that neighbours round alike
+constexpr double kOneRepeat = 65536;  // of texture coordinates
+constexpr int kBaseHeightBits = 16;   // coarser than every bit that a mesh step drops, so that neighbours round alike
 // Pictures that relief is drawn over are placeholders until the tile is so far away that flat facades do; without
 // relief they are all there is of windows.
+constexpr ChartUse kNoChart = {0, {}, {0, 0}};  // of a city without pictures
 constexpr double kFinestFacadeTexel = 0.1, kCoarsestFacadeTexel = 0.8, kCoarsestOnlyTexel = 0.4;
 
 void append_layer(EncodedTile& tile, Layer layer, const LayerSteps& steps) {
@@ -78,6 +81,10 @@ class TileAssembly {
         note_charts();
         add_triangles();
         add_facades();
+        if (in_pages_) {
+            pages_ = *spec_.pages;
+            pages_.mips = codec::atlas::affordable_mips(charts_.own_charts(), pages_.mips);
+        }
         EncodedTile tile;
         tile.triangles = mesh_.triangle_chart.size();
         write_record(tile.record);
@@ -109,23 +116,41 @@ class TileAssembly {
     }
 
     void note_charts() {
+        if (!wants(Layer::kAtlas)) return;
         for (uint32_t i = 0; i < content_.ground_pictures.size(); ++i)
             charts_.add_ground_picture(i, content_.ground_pictures[i]);
         for (uint32_t i = 0; i < content_.objects.size(); ++i) charts_.note(i, content_.objects[i]);
         charts_.settle();
+        // No facade's chart has alpha.
+        in_pages_ = spec_.pages.has_value() && !has_alpha();
     }
 
-    void add_corner(const GridPoint& point, const std::array<float, 3>& normal, const std::array<int64_t, 2>& texcoord,
-                    const ChartUse& use) {
+    /// Where the corners of a polygon lie in its chart, in repeats.
+    template <size_t kCorners>
+    std::array<ChartPlaceOfCorner, kCorners> places_of(const std::array<std::array<int64_t, 2>, kCorners>& texcoords,
+                                                       const ChartUse& use) const {
+        std::array<ChartPlaceOfCorner, kCorners> places;
+        for (size_t i = 0; i < kCorners; ++i) {
+            for (size_t k = 0; k < 2; ++k)
+                places[i][k] = (static_cast<double>(texcoords[i][k]) - use.offset[k]) * use.scale[k] / kOneRepeat;
+        }
+        if (in_pages_) fit_page_places(places, charts_.own_charts()[use.chart]);
+        return places;
+    }
+
+    ChartUse use_of(uint32_t object, const quadtree::Paint& paint) const {
+        return wants(Layer::kAtlas) ? charts_.use(object, paint) : kNoChart;
+    }
+
+    void add_corner(const GridPoint& point, const std::array<float, 3>& normal, const ChartPlaceOfCorner& place) {
         MeshVertex vertex{};
         vertex.position[0] = static_cast<int32_t>(point.x - spec_.corner.x);
         vertex.position[1] = static_cast<int32_t>(point.y - spec_.corner.y);
         vertex.position[2] = static_cast<int32_t>(point.z - base_height_);
         for (size_t k = 0; k < 3; ++k) vertex.normal[k] = normal[k];
         for (size_t k = 0; k < 2; ++k) {
-            vertex.texcoord[k] = static_cast<int32_t>(
-                std::clamp(std::round((static_cast<double>(texcoord[k]) - use.offset[k]) * use.scale[k]), -2147483648.0,
-                           2147483647.0));
+            vertex.texcoord[k] =
+                static_cast<int32_t>(std::clamp(std::round(place[k] * kOneRepeat), -2147483648.0, 2147483647.0));
         }
         mesh_.indices.push_back(static_cast<uint32_t>(mesh_.vertices.size()));
         mesh_.vertices.push_back(vertex);
@@ -137,13 +162,14 @@ class TileAssembly {
             for (const BuildTriangle& triangle : object.triangles) {
                 const auto& v = triangle.vertex;
                 const auto normal = unit_normal(object.vertices[v[0]], object.vertices[v[1]], object.vertices[v[2]]);
-                const ChartUse use = charts_.use(i, object.paints[triangle.paint]);
-                for (size_t k = 0; k < 3; ++k) add_corner(object.vertices[v[k]], normal, triangle.texcoord[k], use);
+                const ChartUse use = use_of(i, object.paints[triangle.paint]);
+                const auto places = places_of(triangle.texcoord, use);
+                for (size_t k = 0; k < 3; ++k) add_corner(object.vertices[v[k]], normal, places[k]);
                 mesh_.triangle_chart.push_back(use.chart);
             }
         }
         for (const SkirtQuad& skirt : skirts_) {
-            const ChartUse use = charts_.use(skirt.object, content_.objects[skirt.object].paints[skirt.paint]);
+            const ChartUse use = use_of(skirt.object, content_.objects[skirt.object].paints[skirt.paint]);
             add_quad(skirt.corners, skirt.normal, skirt.texcoords, use);
         }
         mesh_.dressed_begin = static_cast<uint32_t>(mesh_.triangle_chart.size());
@@ -152,7 +178,8 @@ class TileAssembly {
     void add_quad(const std::array<GridPoint, 4>& corners, const std::array<float, 3>& normal,
                   const std::array<std::array<int64_t, 2>, 4>& texcoords, const ChartUse& use) {
         constexpr std::array<size_t, 6> kOrder = {0, 1, 2, 0, 2, 3};
-        for (size_t k : kOrder) add_corner(corners[k], normal, texcoords[k], use);
+        const auto places = places_of(texcoords, use);
+        for (size_t k : kOrder) add_corner(corners[k], normal, places[k]);
         mesh_.triangle_chart.push_back(use.chart);
         mesh_.triangle_chart.push_back(use.chart);
     }
@@ -183,8 +210,9 @@ class TileAssembly {
                 if (((use.slots >> slot) & 1U) == 0) continue;
                 const uint32_t material = workshop_.catalog.palettes[palette].material[slot];
                 const city::Material& m = workshop_.catalog.materials[material];
-                facade_tile_.palettes[use.index].slots[slot] = {charts_.facade_material(material),
-                                                                m.metres_per_repeat > 0 ? m.metres_per_repeat : 1.0F};
+                facade_tile_.palettes[use.index].slots[slot] = {
+                    wants(Layer::kAtlas) ? charts_.facade_material(material) : 0,
+                    m.metres_per_repeat > 0 ? m.metres_per_repeat : 1.0F};
             }
         }
     }
@@ -204,6 +232,7 @@ class TileAssembly {
     /// because the tile above is drawn before facades are flat. (In a city whose every wall is dressed, pictures of
     /// leaves would take most of the atlas.)
     ChartUse stand_in_chart(const BuildFacade& facade, const FacadeFacts& facts) {
+        if (!wants(Layer::kAtlas)) return kNoChart;
         if (wants(Layer::kFacade) && kReliefWeight * relief_ >= spec_.parent_error)
             return charts_.use_of_whole(
                 charts_.flat(rounded_colour(workshop_.facades.mean_colour(facade.map, facade.palette))));
@@ -253,13 +282,9 @@ class TileAssembly {
     }
 
     void encode(EncodedTile& tile) {
-        if (!wants(Layer::kAtlas)) std::fill(mesh_.triangle_chart.begin(), mesh_.triangle_chart.end(), 0);
         append_layer(tile, Layer::kMesh, codec::mesh::encode_mesh(mesh_, tile.record.geometric_error));
         mesh_ = {};
         if (!facade_tile_.placements.empty()) {
-            for (auto& palette : facade_tile_.palettes) {
-                for (auto& slot : palette.slots) slot.atlas_chart = wants(Layer::kAtlas) ? slot.atlas_chart : 0;
-            }
             append_layer(tile, Layer::kFacade, codec::facade::encode_facades(facade_tile_));
         }
         if (wants(Layer::kAtlas)) append_layer(tile, Layer::kAtlas, encode_atlas(tile));
@@ -270,17 +295,20 @@ class TileAssembly {
         return std::any_of(own.begin(), own.end(), [](const ChartImage& chart) { return !chart.alpha.empty(); });
     }
 
-    /// Pages hold no charts with alpha.
-    bool in_pages() const { return workshop_.pages.has_value() && !has_alpha(); }
-
-    /// Metres that pictures are blurred by, also because pages hold no longer charts.
+    /// Metres that pictures are blurred by, also because pages hold no longer charts, or none finer than asked for.
     double blur() const {
         double blur = charts_.blur();
-        if (!in_pages()) return blur;
-        const uint32_t longest = codec::atlas::longest_page_chart(workshop_.pages->mips);
+        if (!in_pages_) return blur;
+        const uint32_t longest = codec::atlas::longest_page_chart(pages_.mips);
         for (const ChartImage& chart : charts_.own_charts()) {
             const double shrunk = static_cast<double>(std::max(chart.width, chart.height)) / longest;
             if (shrunk > 1) blur = std::max(blur, static_cast<double>(chart.metres_per_texel) * shrunk);
+        }
+        if (pages_.shape == codec::atlas::PageShape::kTight) return blur;
+        const auto asked = charts_.asked_texels();
+        for (size_t i = 0; i < asked.size(); ++i) {
+            const float own = charts_.own_charts()[i].metres_per_texel;
+            if (own > 0 && asked[i] > own) blur = std::max(blur, double{asked[i]});
         }
         return blur;
     }
@@ -288,11 +316,12 @@ class TileAssembly {
     /// In pages where those are asked for and hold this tile's charts.
     LayerSteps encode_atlas(EncodedTile& tile) const {
         tile.needs_version_5 = has_alpha();
-        if (in_pages()) {
-            auto pages = codec::atlas::encode_pages(charts_.own_charts(), *workshop_.pages);
+        if (in_pages_) {
+            auto pages = codec::atlas::encode_pages(charts_.own_charts(), pages_, charts_.asked_texels());
             tile.needs_version_5 = pages.ok();
             if (pages) return std::move(pages).value();
         }
+        tile.kept_in_charts = spec_.pages.has_value();
         return codec::atlas::encode_atlas(charts_.own_charts(), workshop_.atlas, charts_.shared_charts());
     }
 
@@ -300,6 +329,8 @@ class TileAssembly {
     const TileContent& content_;
     const TileWorkshop& workshop_;
     TileCharts charts_;
+    bool in_pages_ = false;            ///< asked for, and there is no chart with alpha, which pages do not hold
+    codec::atlas::PageOptions pages_;  ///< then: with mips that the charts are large enough for
     std::vector<SkirtQuad> skirts_;
     quadtree::GridBox box_;
     int64_t base_height_ = 0;
@@ -316,6 +347,15 @@ TileWishes wishes_of(const TileSpec& spec, const TileContent& content, const Til
     TileWishes wishes;
     TileAssembly(spec, content, workshop, &wishes).ask_for_charts();
     return wishes;
+}
+
+uint64_t own_texels_of(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop) {
+    if (!workshop.layers[static_cast<size_t>(Layer::kAtlas)]) return 0;
+    OwnTexels own(workshop.charts);
+    TileAssembly(spec, content, workshop, &own).ask_for_charts();
+    uint64_t texels = own.count();
+    for (const ChartImage& picture : content.ground_pictures) texels += uint64_t{picture.width} * picture.height;
+    return texels;
 }
 
 EncodedTile encode_tile(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop) {

@@ -29,7 +29,6 @@ struct TileWorkshop {
     GridPoint city_origin;
     codec::atlas::AtlasOptions atlas = {};
     ChartShelf* charts = nullptr;  ///< the chart dictionary; nothing: every tile has charts of its own only
-    std::optional<codec::atlas::PageOptions> pages = {};  ///< nothing: the form of atlases is charts
 };
 
 struct TileSpec {
@@ -42,7 +41,8 @@ struct TileSpec {
     float geometric_error = 0;  ///< of the objects
     bool inner = false;         ///< what its pictures are blurred by counts as error: tiles below it are sharper
     double parent_error = std::numeric_limits<double>::infinity();  ///< metres: about what the tile above states
-    double skirt_metres = 1;  ///< how far the ground hangs down at the tile's border
+    double skirt_metres = 1;                              ///< how far the ground hangs down at the tile's border
+    std::optional<codec::atlas::PageOptions> pages = {};  ///< nothing: the form of its atlas is charts
 };
 
 struct TileContent {
@@ -55,10 +55,14 @@ struct EncodedTile {
     std::array<std::vector<std::byte>, tileset::kLayerCount> bytes;
     uint64_t triangles = 0;        ///< of the mesh layer
     bool needs_version_5 = false;  ///< as tileset::Manifest
+    bool kept_in_charts = false;   ///< the atlas, although pages were asked for: they hold no alpha
 };
 
 /// What a tile would take from the chart dictionary: its layers need nothing of `workshop.charts`.
 TileWishes wishes_of(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop);
+
+/// Texels of the finest mips of the charts that encode_tile holds: what the dictionary does not have, ground pictures.
+uint64_t own_texels_of(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop);
 
 /// Encodes. Deterministic; may run on many threads with one workshop.
 EncodedTile encode_tile(const TileSpec& spec, const TileContent& content, const TileWorkshop& workshop);

@@ -26,6 +26,7 @@ constexpr double kSkirtErrors = 1, kPictureSkirtErrors = 2, kSkirtLeastMetres = 
 constexpr uint64_t kInnerTriangles = 49152;
 constexpr uint64_t kBytesPerTriangle = 2000;  // estimate of what a tile takes while it is coarsened and encoded
 constexpr uint64_t kBytesPerTile = 16 << 20;
+constexpr uint64_t kBytesPerTexel = 12;  // of the tile's own charts, all held at a time
 
 /// Pictures (count, then width, height, metres a texel and texels of each), then objects.
 std::vector<std::byte> serialise_content(const TileContent& content) {
@@ -88,7 +89,7 @@ class Pipeline {
   public:
     explicit Pipeline(const PipelineInput& input)
         : in_(input),
-          gate_(input.options.memory_limit / 2),
+          gate_(input.work_bytes),
           built_(input.tree.nodes.size()),
           specs_(input.tree.nodes.size()),
           heights_(heights_of(input.tree)),
@@ -99,7 +100,7 @@ class Pipeline {
         in_.clock.lap("coarsen");
         if (shares_charts()) {
             auto made = ChartDictionary::make(wishes_, {workshop_.images, workshop_.facades, workshop_.atlas},
-                                              in_.options, in_.chart_spool);
+                                              in_.options, gate_, in_.chart_spool);
             if (!made) return made.error();
             in_.charts = std::move(made).value();
             workshop_.charts = &in_.charts;
@@ -107,8 +108,8 @@ class Pipeline {
         }
         BuildStage stage(in_.options, "tiles", built_.size());
         const Status status = stage.run(built_.size(), [this](size_t at) {
-            const MemoryPass pass(gate_, bytes_of(at));
-            return encode(at);
+            MemoryPass pass(gate_, bytes_of(at));
+            return encode(at, pass);
         });
         if (!status) return status.error();
         in_.clock.lap("tiles");
@@ -160,6 +161,17 @@ class Pipeline {
         return spec;
     }
 
+    /// Of a tile this high above the deepest leaf below it.
+    std::optional<codec::atlas::PageOptions> pages_at(uint32_t height) const {
+        const BuildOptions& options = in_.options;
+        if (options.atlas_form != codec::atlas::AtlasForm::kPages) return std::nullopt;
+        codec::atlas::PageOptions pages;
+        pages.mips = options.page_mips ? *options.page_mips : options.texture_law.mips(height);
+        pages.rate_distortion = options.rate_distortion;
+        pages.shape = options.page_shape;
+        return pages;
+    }
+
     /// What lies in a leaf. Neighbours are looked at within it: a party wall on a tile's border stays dressed.
     Result<std::vector<BuildObject>> leaf_objects(size_t at) {
         const TileNode& node = in_.tree.nodes[at];
@@ -185,6 +197,7 @@ class Pipeline {
 
     Status prepare_leaf(size_t at) {
         specs_[at] = spec_of(in_.tree.nodes[at]);
+        specs_[at].pages = pages_at(0);
         if (!shares_charts()) return Done{};
         const auto content = content_of(at);
         if (!content) return content.error();
@@ -192,9 +205,10 @@ class Pipeline {
         return Done{};
     }
 
-    Status encode(size_t at) {
+    Status encode(size_t at, MemoryPass& pass) {
         const auto content = content_of(at);
         if (!content) return content.error();
+        pass.change(bytes_of(at) + kBytesPerTexel * own_texels_of(specs_[at], *content, workshop_));
         if (in_.tree.nodes[at].leaf) in_.preview.draw(content->objects);
         return keep(at, encode_tile(specs_[at], *content, workshop_));
     }
@@ -245,6 +259,7 @@ class Pipeline {
         coarse_spec.side = spec.side;
         coarse_spec.error_metres = level_error(side_metres(node));
         spec.texel = in_.options.texture_law.inner_texel(heights_[at], coarse_spec.error_metres);
+        spec.pages = pages_at(heights_[at]);
         coarse_spec.triangle_limit = kInnerTriangles;
         const CoarseContent coarse = coarsen(std::move(children).value(), coarse_spec, workshop_);
         spec.facade_texel = std::max(in_.options.texture_law.finest, coarse.allowed_error);
@@ -292,6 +307,7 @@ class Pipeline {
         built.record = std::move(tile.record);
         built.triangles = tile.triangles;
         built.needs_version_5 = tile.needs_version_5;
+        built.kept_in_charts = tile.kept_in_charts;
         return Done{};
     }
 

@@ -19,6 +19,7 @@ struct BuiltTile {
     uint64_t triangles = 0;
     uint64_t hidden_facades = 0;   ///< of a leaf: made plain walls because neighbours hide them
     bool needs_version_5 = false;  ///< as tileset::Manifest
+    bool kept_in_charts = false;   ///< as EncodedTile
 };
 
 struct PipelineInput {
@@ -32,6 +33,7 @@ struct PipelineInput {
     quadtree::SpoolFile& chart_spool;
     Preview& preview;
     StageClock& clock;
+    uint64_t work_bytes = 0;  ///< that threads may hold while they make tiles and charts
     bool made_up_ground = false;
 };
 

@@ -23,11 +23,5 @@ TEST(LoadArguments, ReadAmountsOfMemory) {
         EXPECT_FALSE(parse_load_bytes(bad).ok()) << bad;
 }
 
-TEST(LoadArguments, ReadPictureSizes) {
-    EXPECT_EQ(*parse_load_size("1280x720"), (std::pair<uint32_t, uint32_t>(1280, 720)));
-    for (const char* bad : {"", "1280", "1280x", "x720", "0x720", "1280x720x1", "1280*720", "20000x1", "-1x5"})
-        EXPECT_FALSE(parse_load_size(bad).ok()) << bad;
-}
-
 }  // namespace
 }  // namespace citystream::client

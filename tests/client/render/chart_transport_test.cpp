@@ -87,6 +87,39 @@ TEST(ChartTransport, ATileWithAPlaceThatCannotBePackedTakesAttributes) {
     expect_fallback(below, "below a chart that is clamped");
 }
 
+TEST(ChartTransport, CoordinatesTakeWhatLayersLeaveOfTheBudgetAndGiveItBack) {
+    const codec::mesh::MeshTile mesh = mixed_boxes(30);
+    const FrameImage wanted = draw_with(ChartTransport::kTable, mesh).image;
+    RendererOptions options = small_options();
+    options.chart_transport = ChartTransport::kPacked;
+    options.gpu_budget_bytes = 1 << 20;
+    const auto renderer = make_renderer(options);
+    ASSERT_NE(renderer, nullptr);
+    const TileDraw tile = upload_page_tile(*renderer, mesh, mixed_charts(), small_pages());
+    const auto fill = [&](uint64_t slots) {
+        const LayerId layer = renderer->create();
+        const std::vector<uint32_t> words(slots * kSlotBytes / 4);
+        EXPECT_TRUE(renderer->append(layer, words).ok()) << slots;
+        return layer;
+    };
+    const auto fallback_tiles = [&] {
+        EXPECT_EQ(draw_or_fail(*renderer, kCamera, std::span(&tile, 1)).rgba, wanted.rgba);
+        EXPECT_LE(renderer->slots_used(), renderer->slot_count());
+        return renderer->counts().fallback_tiles;
+    };
+    const LayerId first = fill(renderer->slot_count() - renderer->slots_used() - 4);
+    EXPECT_EQ(fallback_tiles(), 1u) << "four slots do not hold them";
+    renderer->destroy(first);
+    const uint64_t of_layers = renderer->slots_used();
+    EXPECT_EQ(fallback_tiles(), 0u);
+    EXPECT_EQ(renderer->slots_used() * kSlotBytes, of_layers * kSlotBytes + renderer->counts().coordinate_bytes);
+    const LayerId second = fill(renderer->slot_count() - of_layers);
+    EXPECT_EQ(fallback_tiles(), 1u) << "layers come first";
+    renderer->destroy(second);
+    EXPECT_EQ(fallback_tiles(), 0u);
+    EXPECT_EQ(renderer->validation_messages(), 0u);
+}
+
 TEST(ChartTransport, TilesInChartsFormTakeNone) {
     RendererOptions options = small_options();
     options.chart_transport = ChartTransport::kPacked;
@@ -131,12 +164,11 @@ TEST_F(ChartCoordinatesOfBytes, PackedWordsAreThoseOfTheCodec) {
         for (uint32_t corner = 0; corner < 3; ++corner) {
             int32_t texcoord[2];
             mesh->texcoord(mesh->index(3 * triangle + corner), triangle, texcoord);
-            const codec::atlas::ChartPlace place =
-                codec::atlas::place_of({words[1 + 2 * corner], words[2 + 2 * corner]});
-            // But for whole repeats.
-            const double u = texcoord[0] / 65536.0, v = texcoord[1] / 65536.0;
-            EXPECT_EQ(u - place.u, std::floor(u - place.u));
-            EXPECT_EQ(v - place.v, std::floor(v - place.v));
+            for (size_t axis = 0; axis < 2; ++axis) {
+                const auto own = codec::atlas::decode_wrap_axis(words[1 + 2 * corner + axis], 0);
+                const double left_out = texcoord[axis] / 65536.0 - own.place * codec::atlas::kWrapStep;
+                EXPECT_EQ(left_out, std::floor(left_out)) << "whole repeats";
+            }
         }
     }
 }

@@ -51,6 +51,19 @@ void expect_same_corners(const codec::mesh::MeshLayerView& view, const std::vect
     }
 }
 
+// Of all steps.
+TwinConstants mesh_constants(const LayerSteps& steps, uint32_t corners) {
+    TwinConstants constants{};
+    constants.count = corners;
+    constants.first = static_cast<uint32_t>(steps.size());
+    uint32_t begin = 0;
+    for (size_t s = 1; s < steps.size(); ++s) {
+        begin += static_cast<uint32_t>(steps[s - 1].words.size());
+        constants.mesh_step_begin[s - 1] = begin;
+    }
+    return constants;
+}
+
 TEST_F(GpuTwin, MeshCornersAreTheSameWordsForEveryPrefix) {
     Random random;
     for (const uint32_t triangles : {1u, 77u, 5000u}) {
@@ -74,6 +87,22 @@ TEST_F(GpuTwin, MeshCornersAreTheSameWordsForEveryPrefix) {
     }
 }
 
+TEST_F(GpuTwin, MeshPositionsAreTheSameWordsInFieldsOfEveryWidth) {
+    Random random;
+    for (uint32_t bits = 0; bits < 29; ++bits) {
+        codec::mesh::MeshTile tile = random_mesh(random, 50, 1);
+        for (codec::mesh::MeshVertex& vertex : tile.vertices) {
+            for (int32_t& p : vertex.position) p = static_cast<int32_t>(random.below(1u << bits));
+        }
+        const LayerSteps steps = codec::mesh::encode_mesh(tile, 0);
+        const std::vector<uint32_t> words = joined(steps);
+        const auto view = codec::mesh::MeshLayerView::create(words, step_words(steps), 1);
+        ASSERT_TRUE(view.ok()) << view.error().text();
+        const TwinConstants constants = mesh_constants(steps, 150);
+        expect_same_corners(*view, run(k_twin_mesh_comp, upload_words(words, true), constants, TWIN_MESH_WORDS));
+    }
+}
+
 TEST_F(GpuTwin, EveryPackedNormalUnfoldsToTheSameIntegers) {
     codec::mesh::MeshTile tile;
     for (uint32_t code = 0; code < 65536; ++code) {
@@ -90,14 +119,7 @@ TEST_F(GpuTwin, EveryPackedNormalUnfoldsToTheSameIntegers) {
     const std::vector<uint32_t> words = joined(steps);
     const auto view = codec::mesh::MeshLayerView::create(words, step_words(steps), 1);
     ASSERT_TRUE(view.ok());
-    TwinConstants constants{};
-    constants.count = static_cast<uint32_t>(tile.indices.size());
-    constants.first = static_cast<uint32_t>(steps.size());
-    uint32_t begin = 0;
-    for (size_t s = 1; s < steps.size(); ++s) {
-        begin += static_cast<uint32_t>(steps[s - 1].words.size());
-        constants.mesh_step_begin[s - 1] = begin;
-    }
+    const TwinConstants constants = mesh_constants(steps, static_cast<uint32_t>(tile.indices.size()));
     expect_same_corners(*view, run(k_twin_mesh_comp, upload_words(words, true), constants, TWIN_MESH_WORDS));
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <random>
 #include <set>
+#include <tuple>
 
 #include "tests/client/stream/synthetic_city.h"
 
@@ -146,6 +147,58 @@ TEST(Selection, EqualsTheRuleReadTileByTile) {
         total += chosen.size();
     }
     EXPECT_GT(total, 250u);
+}
+
+/// Whether a point projects into the picture, read from the camera's axes alone.
+bool in_picture(const Camera& camera, const std::array<double, 3>& point) {
+    std::array<double, 3> to{};
+    for (size_t a = 0; a < 3; ++a) to[a] = point[a] - camera.position[a];
+    const auto along = [&](const std::array<double, 3>& axis) {
+        return to[0] * axis[0] + to[1] * axis[1] + to[2] * axis[2];
+    };
+    const double depth = along(camera.forward), high = depth * std::tan(camera.fov_y / 2);
+    return depth > camera.near_plane && std::abs(along(camera.up)) < high &&
+           std::abs(along(camera.right)) < high * camera.width / camera.height;
+}
+
+/// Whether any of 9 x 9 x 3 points of a tile's box is in the picture.
+bool has_point_in_picture(const Camera& camera, const TileRecord& tile, const std::array<double, 2>& origin) {
+    const auto& [low, high] = std::tie(tile.bounds.min, tile.bounds.max);
+    for (int i = 0; i < 9 * 9 * 3; ++i) {
+        const std::array<double, 3> share = {i % 9 / 8.0, i / 9 % 9 / 8.0, i / 81 / 2.0};
+        std::array<double, 3> point{};
+        for (size_t a = 0; a < 3; ++a) point[a] = low[a] + share[a] * (high[a] - low[a]) + (a < 2 ? origin[a] : 0);
+        if (in_picture(camera, point)) return true;
+    }
+    return false;
+}
+
+TEST(Selection, NothingInThePictureIsDroppedFromAThousandCameras) {
+    World& all = world();
+    Selector selector(all.directory, all.knowledge);
+    std::mt19937 random(21);
+    std::uniform_real_distribution<double> place(-300, 1324), height(2, 400), turn(0, 360), pitch(-60, 20);
+    size_t seen = 0, left_out = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const Camera camera =
+            all.city.camera(place(random), place(random), height(random), turn(random), pitch(random), 50);
+        std::set<TileAddress> chosen;
+        for (const SelectedTile& tile : selector.select(camera, 1, 4096).tiles)
+            chosen.insert(all.directory.node(tile.node).record->address);
+        for (const auto& [address, record] : all.city.tiles) {
+            if (address.level + 1 != all.city.manifest.levels) continue;
+            if (!has_point_in_picture(camera, record, all.city.origin())) {
+                ++left_out;
+                continue;
+            }
+            ++seen;
+            TileAddress drawn = address;
+            while (drawn.level > 0 && !chosen.contains(drawn)) drawn = drawn.parent();
+            ASSERT_TRUE(chosen.contains(drawn)) << "camera " << i << ", tile " << address.x << ", " << address.y;
+        }
+    }
+    EXPECT_GT(seen, 5000U);
+    EXPECT_GT(left_out, 5000U);
 }
 
 TEST(Selection, TakesTheShortestPrefixBelowTheTolerance) {

@@ -6,8 +6,6 @@
 #include <cstdlib>
 #include <random>
 
-#include "codec/atlas/bc3.h"
-
 namespace citystream::codec::atlas {
 namespace {
 
@@ -95,65 +93,6 @@ TEST(Bc4, BytesOfAKnownBlock) {
     encode_bc4_block(values, block);
     EXPECT_EQ(block[0], 0x6fc908f7u) << std::hex << block[0];
     EXPECT_EQ(block[1], 0x0126e4b7u) << std::hex << block[1];
-}
-
-void fill(uint8_t rgba[64], uint8_t r, uint8_t g, uint8_t b, uint8_t a) {
-    for (int i = 0; i < 16; ++i) {
-        const uint8_t texel[4] = {r, g, b, a};
-        std::copy_n(texel, 4, rgba + 4 * i);
-    }
-}
-
-TEST(Bc3, ColoursThatNobodySeesDoNotMatter) {
-    uint8_t seen[64], hidden[64];
-    fill(seen, 200, 100, 50, 0);
-    fill(hidden, 200, 100, 50, 0);
-    for (int i = 0; i < 8; ++i) seen[4 * i + 3] = hidden[4 * i + 3] = 255;
-    for (int i = 8; i < 16; ++i) hidden[4 * i] = hidden[4 * i + 1] = hidden[4 * i + 2] = static_cast<uint8_t>(16 * i);
-    uint32_t a[4], b[4];
-    encode_bc3_block(seen, {}, a);
-    encode_bc3_block(hidden, {}, b);
-    for (int word = 0; word < 4; ++word) EXPECT_EQ(a[word], b[word]);
-    for (uint32_t i = 0; i < 16; ++i) {
-        uint8_t rgba[4];
-        decode_bc3_texel(b, i, rgba);
-        EXPECT_NEAR(rgba[0], 200, 1);
-        EXPECT_EQ(rgba[3], i < 8 ? 255 : 0);
-    }
-}
-
-TEST(Bc3, AlphaIsKeptBesideTheColour) {
-    std::mt19937 random(4);
-    for (int round = 0; round < 500; ++round) {
-        uint8_t rgba[64];
-        for (int i = 0; i < 16; ++i) {
-            for (int c = 0; c < 3; ++c)
-                rgba[4 * i + c] = static_cast<uint8_t>(100 + 5 * (i % 4) + static_cast<int>(random() % 8));
-            rgba[4 * i + 3] = static_cast<uint8_t>(17 * i);
-        }
-        uint32_t block[4];
-        encode_bc3_block(rgba, {}, block);
-        for (uint32_t i = 0; i < 16; ++i) {
-            uint8_t texel[4];
-            decode_bc3_texel(block, i, texel);
-            EXPECT_NEAR(texel[3], rgba[4 * i + 3], 20);
-            for (int c = 0; c < 3; ++c) EXPECT_NEAR(texel[c], rgba[4 * i + c], 16);
-        }
-    }
-}
-
-TEST(Bc3, AlphaKindIsTheCheapestThatTheAlphaAllows) {
-    uint8_t rgba[64];
-    fill(rgba, 1, 2, 3, 255);
-    EXPECT_EQ(alpha_kind(rgba), AlphaKind::kNone);
-    rgba[7] = 250;
-    EXPECT_EQ(alpha_kind(rgba), AlphaKind::kNone);
-    EXPECT_EQ(alpha_kind(rgba, 0), AlphaKind::kSmooth);
-    rgba[11] = 3;
-    EXPECT_EQ(alpha_kind(rgba), AlphaKind::kCutOut);
-    rgba[15] = 128;
-    EXPECT_EQ(alpha_kind(rgba), AlphaKind::kSmooth);
-    EXPECT_EQ(alpha_kind({}), AlphaKind::kNone);
 }
 
 }  // namespace

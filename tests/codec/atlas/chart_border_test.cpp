@@ -83,23 +83,5 @@ TEST(Alignment, IsFourTimesTwoToTheMipsForBlocks) {
     EXPECT_EQ(alignment_unit(3, false, true), 8u);
 }
 
-TEST(Alignment, RefusesTheTwelveTexelsThatEquationFourAllowsAtTwoMips) {
-    const uint32_t unit = alignment_unit(2, true, true);
-    EXPECT_FALSE(check_alignment({0, 0, 12, 16}, unit).ok());
-    EXPECT_FALSE(check_alignment({0, 0, 16, 12}, unit).ok());
-    EXPECT_FALSE(check_alignment({8, 0, 16, 16}, unit).ok());
-    EXPECT_FALSE(check_alignment({0, 24, 16, 16}, unit).ok());
-    EXPECT_FALSE(check_alignment({0, 0, 0, 16}, unit).ok());
-    EXPECT_TRUE(check_alignment({16, 48, 32, 16}, unit).ok());
-}
-
-TEST(ClampRange, IsHalfATexelOfTheLevelFromBothEnds) {
-    EXPECT_DOUBLE_EQ(clamp_range(64, 0).low, 1.0 / 128);
-    EXPECT_DOUBLE_EQ(clamp_range(64, 0).high, 127.0 / 128);
-    EXPECT_DOUBLE_EQ(clamp_range(64, 2).low, 4.0 / 128);
-    EXPECT_DOUBLE_EQ(clamp_range(3, 5).low, 0.5);
-    EXPECT_DOUBLE_EQ(clamp_range(3, 5).high, 0.5);
-}
-
 }  // namespace
 }  // namespace citystream::codec::atlas

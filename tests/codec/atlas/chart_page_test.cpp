@@ -1,5 +1,5 @@
-// Packed pages as the shader sees them, on the CPU: charts with borders in a common image, its mips, and samples by
-// wrapped_texel. What must hold whatever the renderer does: no chart shows another's texels.
+// Packed pages as the shader sees them, on the CPU: charts with borders in a common image, its mips, and samples where
+// the shader takes them. What must hold whatever the renderer does: no chart shows another's texels.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +10,7 @@
 #include "codec/atlas/rectangle_packing_atlas.h"
 #include "codec/atlas/wrap_coordinate.h"
 #include "tests/codec/atlas/rectangle_sets.h"
+#include "tests/shaders/wrap_coordinate_on_cpu.h"
 
 namespace citystream::codec::atlas {
 namespace {
@@ -116,6 +117,17 @@ AtlasPacking packed(std::span<const ChartRequest> charts, uint32_t mips, BorderR
     EXPECT_TRUE(packing.ok());
     EXPECT_EQ(packing->pages.size(), 1u);
     return std::move(*packing);
+}
+
+/// Equation 2 along an axis; a negative size: it does not repeat.
+float wrapped_texel(float origin, float size, float place, float level) {
+    return shaders_test::wrap_texel_on_cpu({origin, origin, size, size}, {place, place}, level)[0];
+}
+
+ChartFrame frame_of(const Rectangle& interior, bool repeat_u, bool repeat_v) {
+    const auto width = static_cast<float>(interior.width), height = static_cast<float>(interior.height);
+    return {static_cast<float>(interior.x), static_cast<float>(interior.y), repeat_u ? width : -width,
+            repeat_v ? height : -height};
 }
 
 std::vector<ChartRequest> some_charts(uint64_t seed, size_t count) {
@@ -240,23 +252,14 @@ double most_foreign(uint32_t mips, BorderRule rule, uint64_t seed) {
         with_mips(picture_of(page_bytes(packing, charts, pure), packing.pages[0].width, packing.pages[0].height), mips);
     double most = 0;
     for (uint32_t i = 0; i < charts.size(); ++i) {
-        const bool clamps = rule == BorderRule::kWhereRepeating;
-        const ChartFrame frame =
-            frame_of(packing.charts[i].interior, !clamps || charts[i].repeat_u, !clamps || charts[i].repeat_v);
+        const ChartFrame frame = frame_of(packing.charts[i].interior, charts[i].repeat_u, charts[i].repeat_v);
         for (uint32_t s = 0; s <= 512; ++s) {
             for (const double level : {0.0, 0.5, 1.0, 1.5, 2.0, 3.0}) {
                 if (level > mips) continue;
-                // Both ends of an axis that does not repeat are shown, too; with a uniform border its places are
-                // clamped.
-                const auto place = [&](bool repeats, uint32_t size) {
-                    const double at = s / 512.0;
-                    return static_cast<float>(repeats || clamps ? at : clamped_place(at, size, 1));
-                };
-                const auto by = static_cast<float>(level);
-                const double u = wrapped_texel(frame.origin_u, frame.size_u,
-                                               place(charts[i].repeat_u, packing.charts[i].interior.width), by);
-                const double v = wrapped_texel(frame.origin_v, frame.size_v,
-                                               place(charts[i].repeat_v, packing.charts[i].interior.height), by);
+                // Both ends of an axis that does not repeat are shown, too.
+                const auto place = static_cast<float>(s * kWrapStep), by = static_cast<float>(level);
+                const double u = wrapped_texel(frame.origin_u, frame.size_u, place, by);
+                const double v = wrapped_texel(frame.origin_v, frame.size_v, place, by);
                 for (const double at : {std::floor(level), std::ceil(level)}) {
                     const auto mip = static_cast<uint32_t>(at);
                     const Colour seen = bilinear(page[mip], mip, u, v, false);

@@ -75,6 +75,35 @@ TEST(Image, AlphaIsMultipliedInAndTakenOutAgain) {
     EXPECT_EQ(std::vector<uint8_t>(back.begin() + 8, back.end()), (std::vector<uint8_t>{255, 0, 255, 255}));
 }
 
+TEST(Image, QuantisingShowsWhatTheBytesShowWithAlphaToo) {
+    sample::Noise noise(5);
+    for (const uint32_t channels : {1u, 3u, 4u}) {
+        Image image(64, 33, channels);
+        for (size_t i = 0; i < image.area(); ++i) {
+            const float alpha = static_cast<float>(noise()) / 255;
+            for (uint32_t c = 0; c < channels; ++c)
+                image.texels[c * image.area() + i] = channels < 4 ? static_cast<float>(noise()) / 255
+                                                     : c < 3      ? alpha * static_cast<float>(noise()) / 255
+                                                                  : alpha;
+        }
+        const std::vector<uint8_t> bytes = srgb_bytes(image);
+        quantise(image);
+        EXPECT_EQ(image, linear_image(64, 33, channels, bytes));
+        EXPECT_EQ(linear_image(64, 33, channels, srgb_bytes(image)), image);
+    }
+}
+
+TEST(Image, WhatIsLessThanHalfThereIsNotDrawn) {
+    const std::vector<uint8_t> bytes = {200, 100, 50, 128, 10, 20, 30, 127, 255, 0, 255, 255};
+    Image image = linear_image(3, 1, 4, bytes);
+    test_alpha(image);
+    EXPECT_EQ(srgb_bytes(image), (std::vector<uint8_t>{200, 100, 50, 255, 0, 0, 0, 0, 255, 0, 255, 255}));
+    const Image opaque = sample::blotches(5, 7, 1);
+    Image same = opaque;
+    test_alpha(same);
+    EXPECT_EQ(same, opaque);
+}
+
 TEST(WideLoops, LogarithmAndPowerAreTrue) {
     for (int i = 1; i <= 100'000; ++i) {
         const float x = static_cast<float>(i) / 1000;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
@@ -271,6 +272,23 @@ TEST(PageLayer, FlatChartsTakeNoTexel) {
     for (const float value : rgb) EXPECT_FLOAT_EQ(value, 77.0F / 255);
 }
 
+TEST(PageLayer, MipsAreAsManyAsChartsAreLargeEnoughFor) {
+    const auto mips_for = [](uint32_t side, uint32_t count) {
+        std::vector<ChartImage> charts;
+        for (uint32_t i = 0; i < count; ++i) charts.push_back(waves(side, side, true, i));
+        charts.push_back(pure(1, 1, {1, 2, 3}, {1, 2, 3}));
+        return affordable_mips(charts, kMostMips);
+    };
+    EXPECT_EQ(mips_for(16, 5), 3u) << "32 x 32 with borders and alignment; of 4 mips 64 x 64";
+    EXPECT_EQ(mips_for(64, 5), 5u) << "128 x 128; of 6 mips 256 x 256";
+    EXPECT_EQ(mips_for(256, 2), 7u);
+    EXPECT_EQ(affordable_mips({}, 3), 3u) << "flat charts take no room";
+    const std::vector<ChartImage> large = {waves(256, 256, true, 1)};
+    EXPECT_EQ(affordable_mips(large, 2), 2u) << "never more than asked for";
+    const std::vector<ChartImage> tiny = {pure(2, 2, {1, 2, 3}, {9, 9, 9})};
+    EXPECT_EQ(affordable_mips(tiny, 7), 3u) << "which all are given";
+}
+
 TEST(PageLayer, ChartsThatACoordinateCannotSayAreShrunkAndSaySo) {
     EXPECT_EQ(longest_page_chart(2), 508U);
     EXPECT_EQ(longest_page_chart(0), 510U);
@@ -289,6 +307,73 @@ TEST(PageLayer, SetsLargerThanAPageTakeSeveral) {
     EXPECT_GT(view->page_count(), 5U);
     EXPECT_FALSE(encode_pages(charts, {2, 0, 260}).ok());
     EXPECT_FALSE(encode_pages(charts, {8, 0, 4096}).ok());
+}
+
+/// Every chart asked for at texels of this length.
+Prefix powers_of_two(std::span<const ChartImage> charts, float asked, const PageOptions& options = {}) {
+    PageOptions with = options;
+    with.shape = PageShape::kPowerOfTwo;
+    const auto steps = encode_pages(charts, with, std::vector<float>(charts.size(), asked));
+    if (!steps) throw std::runtime_error(steps.error().text());
+    EXPECT_LE(steps->back().error, std::max(asked, 0.1F) * 1.0001F);
+    return prefix_of(*steps, steps->size());
+}
+
+std::array<uint32_t, 2> size_of(const PageLayerView& view, uint32_t chart) {
+    const PackedCoordinate packed = view.chart(chart).packed;
+    return {static_cast<uint32_t>(decode_wrap_axis(packed.u, view.border()).size),
+            static_cast<uint32_t>(decode_wrap_axis(packed.v, view.border()).size)};
+}
+
+uint64_t page_texels(const PageLayerView& view) {
+    uint64_t texels = 0;
+    for (uint32_t page = 0; page < view.page_count(); ++page) texels += uint64_t{view.width(page)} * view.height(page);
+    return texels;
+}
+
+TEST(PageLayer, EveryTexelOfPagesThatArePowersOfTwoIsAChartsOrItsBorders) {
+    for (const size_t count : {1U, 7U, 60U, 400U}) {
+        const auto charts = some_waves(count, 20 + count);
+        const Prefix prefix = powers_of_two(charts, 0);
+        const auto view = PageLayerView::create(prefix.words, prefix.steps);
+        ASSERT_TRUE(view.ok()) << view.error().text();
+        uint64_t shown = 0;
+        for (uint32_t i = 0; i < count; ++i) {
+            if (view->chart(i).flat) continue;
+            const auto [width, height] = size_of(*view, i);
+            EXPECT_GE(width, charts[i].width);
+            EXPECT_GE(height, charts[i].height);
+            shown += (uint64_t{width} + 2 * view->border()) * (height + 2 * view->border());
+        }
+        for (uint32_t page = 0; page < view->page_count(); ++page)
+            EXPECT_TRUE(std::has_single_bit(view->width(page)) && std::has_single_bit(view->height(page)));
+        EXPECT_EQ(shown, page_texels(*view)) << count << " charts";
+    }
+}
+
+TEST(PageLayer, ChartsAreStretchedFromWhatIsAskedForTowardsTheirOwnSize) {
+    std::vector<ChartImage> charts;
+    for (uint32_t i = 0; i < 90; ++i) charts.push_back(waves(60 + 7 * (i % 9), 90 + i, false, i));
+    const auto total = [&](float asked, std::array<size_t, 2>& sizes) {
+        const Prefix prefix = powers_of_two(charts, asked, {.mips = 0});
+        const auto view = PageLayerView::create(prefix.words, prefix.steps);
+        EXPECT_TRUE(view.ok());
+        for (uint32_t i = 0; i < charts.size(); ++i) {
+            const auto [width, height] = size_of(*view, i);
+            EXPECT_GE(static_cast<float>(width) * std::max(asked, 0.1F), 0.1F * static_cast<float>(charts[i].width));
+            EXPECT_GE(static_cast<float>(height) * std::max(asked, 0.1F), 0.1F * static_cast<float>(charts[i].height));
+            ++sizes[width >= charts[i].width && height >= charts[i].height ? 1 : 0];
+        }
+        return page_texels(*view);
+    };
+    std::array<size_t, 2> all{}, some{};
+    const uint64_t own = total(0, all), coarser = total(0.14F, some);
+    EXPECT_EQ(all[0], 0U) << "smaller than they are, though nothing coarser is asked for";
+    EXPECT_LT(coarser, own);
+    EXPECT_GT(some[0], 0U);
+    const Prefix tight = encoded(charts);
+    const auto steps = encode_pages(charts, {}, std::vector<float>(charts.size(), 0.14F));
+    EXPECT_EQ(prefix_of(*steps, steps->size()).words, tight.words) << "tight pages keep charts as they are";
 }
 
 TEST(PageLayer, TravelsInPlanes) {

@@ -52,12 +52,21 @@ TEST(WrapCoordinate, DecodesInTheShaderToTheSameBitsAMillionTimes) {
         const PackedCoordinate packed = {dice.roll(0, ~0u), dice.roll(0, ~0u)};
         const uint32_t border = dice.roll(0, 4);
         const ChartFrame frame = frame_of(packed, border);
-        const ChartPlace place = place_of(packed);
+        const auto place = [](uint32_t word) {
+            return static_cast<float>(decode_wrap_axis(word, 0).place * kWrapStep);
+        };
         const auto shader_frame = shaders_test::wrap_frame_on_cpu({packed.u, packed.v}, border);
         const auto shader_place = shaders_test::wrap_place_on_cpu({packed.u, packed.v});
         ASSERT_EQ(std::bit_cast<ChartFrame>(shader_frame), frame);
-        ASSERT_EQ(std::bit_cast<ChartPlace>(shader_place), place);
+        ASSERT_EQ(shader_place, (std::array{place(packed.u), place(packed.v)}));
     }
+}
+
+/// Equation 2, and the half texel of the coarser level where an axis does not repeat.
+float wrapped_texel(float origin, float size, float place, float level) {
+    if (size >= 0) return origin + (place - std::floor(place)) * size;
+    const float margin = std::min(0.5f * std::exp2(std::ceil(level)), -0.5f * size);
+    return origin + std::clamp(place * -size, margin, -size - margin);
 }
 
 TEST(WrapCoordinate, WrapsInTheShaderToTheSameBitsAMillionTimes) {
@@ -93,6 +102,19 @@ TEST(WrapCoordinate, CarriesAFractionThatRoundsToOneIntoTheWholePart) {
     ASSERT_TRUE(last.ok());
     EXPECT_EQ(decode_wrap_axis(*last, 0).place, 32767u);
     EXPECT_EQ(decode_wrap_axis(*last, 0).size, 64u);
+}
+
+TEST(WrapCoordinate, MovesAChartToEveryPlaceAndToNoOther) {
+    const uint32_t word = encode_wrap_axis(4092, 4, 1, 63).value();
+    for (uint32_t step = 0; step < 64 * 512; ++step) {
+        const auto moved = move_wrap_axis(word, step * kWrapStep);
+        ASSERT_TRUE(moved.ok());
+        ASSERT_EQ(*moved, (word & ~WRAP_PLACE_MASK) | step);
+    }
+    for (const double bad : {-kWrapStep, kWrapPlaceEnd, 64.0, std::nan("")})
+        EXPECT_FALSE(move_wrap_axis(word, bad).ok());
+    for (const double place : {0.3, -7.7, 63.9999, 1e6 + 0.1})
+        EXPECT_LE(std::abs(rounded_place(place) - place), kWrapStep / 2) << place;
 }
 
 TEST(WrapCoordinate, RefusesWhatItCannotHoldInsteadOfCuttingItOff) {
@@ -152,58 +174,6 @@ TEST(WrapShift, RefusesAPolygonThatMustBeSplit) {
     EXPECT_FALSE(wrap_shift(std::vector<double>{0.0, std::nan("")}).ok());
     EXPECT_FALSE(wrap_shift(std::vector<double>{0.0, 1e30}).ok());
     EXPECT_TRUE(wrap_shift(std::vector<double>{-10.0, 53.9}).ok());
-}
-
-TEST(ClampedPlace, OfAChartThatDoesNotRepeatNeverWrapsAtOne) {
-    for (uint32_t interior : {1u, 2u, 3u, 4u, 100u, 511u, 512u, 2000u}) {
-        for (uint32_t border : {0u, 1u, 2u}) {
-            for (const double place : {1.0, 0.9999, 1.5, 0.0, -2.0, 0.5, 0.25, std::nan("")}) {
-                const double clamped = clamped_place(place, interior, border);
-                EXPECT_EQ(clamped, std::round(clamped * 512) / 512);
-                EXPECT_LT(clamped, 1);
-                const double texel = clamped * interior, half = border > 0 ? 0 : 0.5;
-                EXPECT_GE(texel, half) << interior << " " << border << " " << place;
-                EXPECT_LE(texel, interior - half);
-            }
-        }
-        // What is inside the range stays where it is.
-        EXPECT_EQ(clamped_place(0.5, interior, 0), 0.5);
-    }
-    const auto word = encode_wrap_axis(0, 512, 0, clamped_place(1.0, 512, 0));
-    ASSERT_TRUE(word.ok());
-    EXPECT_EQ(decode_wrap_axis(*word, 0).place, 511u);
-}
-
-TEST(Transports, AllShowTheShaderTheSameBits) {
-    Dice dice(4);
-    for (int i = 0; i < 2000; ++i) {
-        const Rectangle padded = {16 * dice.roll(0, 100), 16 * dice.roll(0, 100), 16 * dice.roll(1, 32),
-                                  16 * dice.roll(1, 32)};
-        std::array<std::array<double, 2>, 3> places;
-        for (auto& corner : places) corner = {63 * fraction(dice), 63 * fraction(dice)};
-        const auto per_draw = encode_triangle(ChartTransport::kPerDraw, padded, 2, places);
-        const auto attribute = encode_triangle(ChartTransport::kAttribute, padded, 2, places);
-        const auto packed = encode_triangle(ChartTransport::kPacked, padded, 2, places);
-        ASSERT_TRUE(per_draw.ok() && attribute.ok() && packed.ok());
-        for (uint32_t corner = 0; corner < 3; ++corner) {
-            const CornerCoordinate seen = decode_corner(*packed, corner);
-            ASSERT_EQ(decode_corner(*per_draw, corner), seen);
-            ASSERT_EQ(decode_corner(*attribute, corner), seen);
-            ASSERT_EQ(seen.frame,
-                      frame_of(Rectangle{padded.x + 2, padded.y + 2, padded.width - 4, padded.height - 4}, true, true));
-            ASSERT_NEAR(seen.place.u, places[corner][0], 1.0 / 1024);
-        }
-    }
-    EXPECT_FALSE(encode_triangle(ChartTransport::kPerDraw, {0, 0, 16, 16}, 2, {{{0, 0}, {64, 0}, {0, 1}}}).ok());
-}
-
-TEST(Transports, CostWhatTableOneSays) {
-    EXPECT_EQ(transport_cost(ChartTransport::kPerDraw).stored, 4u);
-    EXPECT_EQ(transport_cost(ChartTransport::kPerDraw).sent, 4u);
-    EXPECT_EQ(transport_cost(ChartTransport::kAttribute).stored, 4u);
-    EXPECT_EQ(transport_cost(ChartTransport::kAttribute).sent, 12u);
-    EXPECT_EQ(transport_cost(ChartTransport::kPacked).stored, 0u);
-    EXPECT_EQ(transport_cost(ChartTransport::kPacked).sent, 0u);
 }
 
 TEST(WrapLevel, FollowsTheChartsSizeAndStaysWithinTheMipsOfThePage) {

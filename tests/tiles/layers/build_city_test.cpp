@@ -13,9 +13,7 @@
 #include <set>
 
 #include "codec/mesh/mesh_layer.h"
-#include "codec/step_wire.h"
-#include "tiles/archive/archive.h"
-#include "tiles/city/generator.h"
+#include "tests/tiles/layers/city_builds.h"
 #include "tiles/layers/inspect_city.h"
 #include "tiles/tileset/facade_index.h"
 #include "tiles/tileset/subtree.h"
@@ -28,34 +26,7 @@ using tileset::Layer;
 using tileset::TileAddress;
 using tileset::TileRecord;
 
-class BuildCity : public testing::Test {
-  protected:
-    void SetUp() override {
-        std::string pattern = (std::filesystem::temp_directory_path() / "citystream-layers-test-XXXXXX").string();
-        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
-    }
-    void TearDown() override { std::filesystem::remove_all(folder_); }
-
-    std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-    Result<BuildSummary> build(const std::string& name, const CitySource& source,
-                               const std::function<void(BuildOptions&)>& change = {}) {
-        BuildOptions options;
-        options.output = path(name);
-        options.jobs = 2;
-        if (change) change(options);
-        city::CityReport report;
-        return build_city(options, source, report);
-    }
-
-    std::filesystem::path folder_;
-};
-
-std::string bytes_of(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {(std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>()};
-}
+class BuildCity : public CityBuildTest {};
 
 /// A box of ten triangles (no floor) from corner to corner.
 city::CityObject box(const city::Vec3& lo, const city::Vec3& hi, uint32_t material) {
@@ -95,66 +66,8 @@ CitySource boxes(const std::vector<std::array<city::Vec3, 2>>& corners) {
     };
 }
 
-CitySource generated(uint32_t buildings, const city::Vec2& origin = {}) {
-    return [buildings, origin](city::CityHeader& header, city::CityCatalog& catalog, city::CityReport& report,
-                               const city::CitySink& sink) -> Status {
-        city::GeneratorOptions options;
-        options.buildings = buildings;
-        options.origin = origin;
-        city::generate_city(options, header, catalog, report, sink);
-        return Done{};
-    };
-}
-
-/// An archive with its whole directory.
-struct OpenCity {
-    std::shared_ptr<archive::ArchiveReader> reader;
-    tileset::Manifest manifest;
-    std::map<TileAddress, TileRecord> tiles;
-    uint64_t greatest_subtree_bytes = 0;
-};
-
-OpenCity open_city(const std::string& path) {
-    OpenCity city;
-    auto reader = archive::ArchiveReader::open(path);
-    EXPECT_TRUE(reader.ok());
-    if (!reader) return city;
-    city.reader = *reader;
-    const auto manifest = tileset::parse_tileset_json(city.reader->find(tileset::kTilesetPath));
-    EXPECT_TRUE(manifest.ok());
-    if (!manifest) return city;
-    city.manifest = *manifest;
-    for (std::deque<TileAddress> open = {TileAddress{}}; !open.empty(); open.pop_front()) {
-        const auto bytes = city.reader->find(tileset::subtree_path(open.front()));
-        city.greatest_subtree_bytes = std::max<uint64_t>(city.greatest_subtree_bytes, bytes.size());
-        const auto subtree = tileset::parse_subtree(bytes, open.front(), city.manifest);
-        EXPECT_TRUE(subtree.ok());
-        if (!subtree) return city;
-        for (const TileRecord& tile : subtree->tiles) city.tiles[tile.address] = tile;
-        open.insert(open.end(), subtree->child_subtrees.begin(), subtree->child_subtrees.end());
-    }
-    return city;
-}
-
-bool has_children(const OpenCity& city, TileAddress address) {
-    for (uint32_t i = 0; i < 4; ++i) {
-        if (city.tiles.count(address.child(i)) != 0) return true;
-    }
-    return false;
-}
-
 codec::mesh::MeshTile mesh_of(const OpenCity& city, const TileRecord& tile) {
-    const auto bytes = city.reader->find(tileset::layer_path(Layer::kMesh, tile.address));
-    std::vector<uint32_t> words, step_words;
-    uint64_t begin = 0;
-    for (const tileset::StepRecord& step : tile.steps(Layer::kMesh)) {
-        const auto decoded = codec::decode_step(bytes.subspan(begin, step.end - begin), step.decoded_bytes);
-        EXPECT_TRUE(decoded.ok());
-        if (!decoded) return {};
-        words.insert(words.end(), decoded->begin(), decoded->end());
-        step_words.push_back(static_cast<uint32_t>(decoded->size()));
-        begin = step.end;
-    }
+    const auto [words, step_words] = layer_words(city, tile, Layer::kMesh);
     auto mesh = codec::mesh::decode_mesh(words, step_words, 1U << 24);
     EXPECT_TRUE(mesh.ok());
     return mesh ? std::move(mesh).value() : codec::mesh::MeshTile{};
@@ -164,7 +77,7 @@ TEST_F(BuildCity, RefusesACityWithoutObjects) {
     const auto summary = build("empty.3tz", boxes({}));
     ASSERT_FALSE(summary.ok());
     EXPECT_NE(summary.error().text().find("nothing to build"), std::string::npos);
-    EXPECT_TRUE(std::filesystem::is_empty(folder_));
+    EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 
 TEST_F(BuildCity, OneBuildingIsOneTileThatVerifies) {
@@ -227,7 +140,7 @@ TEST_F(BuildCity, KeepsAKilometreHighTowerInEveryLevel) {
 TEST_F(BuildCity, WritesTheSameBytesWithOneAndWithThreeThreads) {
     ASSERT_TRUE(build("a.3tz", generated(60), [](BuildOptions& options) { options.jobs = 1; }).ok());
     ASSERT_TRUE(build("b.3tz", generated(60), [](BuildOptions& options) { options.jobs = 3; }).ok());
-    EXPECT_EQ(bytes_of(path("a.3tz")), bytes_of(path("b.3tz")));
+    EXPECT_EQ(bytes_of("a.3tz"), bytes_of("b.3tz"));
 }
 
 TEST_F(BuildCity, ACityMovedByTenMillionMetresHasTheSameTiles) {
@@ -275,6 +188,7 @@ TEST_F(BuildCity, InnerTilesStateAnErrorOfAtLeastTheTexelsOfTheirPictures) {
             options.leaf_triangles = 1500;
             options.shared_charts = shared;
             options.texture_law = *parse_texture_law(law);
+            options.rate_distortion = 0;  // faster
         });
         ASSERT_TRUE(built.ok());
         const OpenCity city = open_city(path("city.3tz"));
@@ -343,7 +257,7 @@ TEST_F(BuildCity, NeighbouringLeavesShareTheirGroundBorderPoints) {
 TEST_F(BuildCity, VerifyNamesTheTileAndLayerOfAFlippedByte) {
     ASSERT_TRUE(build("city.3tz", generated(20)).ok());
     const OpenCity city = open_city(path("city.3tz"));
-    const std::string whole = bytes_of(path("city.3tz"));
+    const std::string whole = bytes_of("city.3tz");
     for (const char* suffix : {".mesh", ".facade", ".atlas", "facades/maps", "facades/index"}) {
         const auto& entries = city.reader->entries();
         const auto entry = std::find_if(entries.begin(), entries.end(),
@@ -371,7 +285,7 @@ TEST_F(BuildCity, VerifyNamesTheMapAndLevelOfADamagedDictionary) {
     const auto entry = std::find_if(entries.begin(), entries.end(),
                                     [](const archive::ArchiveEntry& e) { return e.name == tileset::kFacadeMapsPath; });
     ASSERT_NE(entry, entries.end());
-    const std::string whole = bytes_of(path("city.3tz"));
+    const std::string whole = bytes_of("city.3tz");
     for (const size_t map : {size_t{0}, size_t{3}, maps->size() - 1}) {
         std::string damaged = whole;
         char& byte = damaged[entry->data_offset + (*maps)[map].levels().back().end - 1];
@@ -482,7 +396,7 @@ TEST_F(BuildCity, ADressedCityIsTheSameForAnyNumberOfThreads) {
                         options.dress_seed = 3;
                     }).ok());
     }
-    EXPECT_EQ(bytes_of(path("jobs1.3tz")), bytes_of(path("jobs3.3tz")));
+    EXPECT_EQ(bytes_of("jobs1.3tz"), bytes_of("jobs3.3tz"));
 }
 
 TEST_F(BuildCity, AnInterruptedBuildLeavesNothingBehind) {
@@ -490,7 +404,7 @@ TEST_F(BuildCity, AnInterruptedBuildLeavesNothingBehind) {
     const auto summary = build("city.3tz", generated(20), [&](BuildOptions& options) { options.cancel = &cancel; });
     ASSERT_FALSE(summary.ok());
     EXPECT_EQ(summary.error().text(), "interrupted");
-    EXPECT_TRUE(std::filesystem::is_empty(folder_));
+    EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
 }
 
 TEST_F(BuildCity, ReportsAnObjectWithoutNumbersAndBuildsTheRest) {
@@ -518,7 +432,7 @@ TEST_F(BuildCity, TheReferenceShowsTheMadeUpGroundToo) {
             options.auto_ground = ground;
         });
         EXPECT_TRUE(summary.ok());
-        const std::string bytes = bytes_of(path("city.glb"));
+        const std::string bytes = bytes_of("city.glb");
         uint32_t length = 0;
         std::memcpy(&length, bytes.data() + 12, sizeof(length));
         const auto json = nlohmann::json::parse(bytes.substr(20, length));
@@ -537,7 +451,7 @@ TEST_F(BuildCity, TheReferenceIsABinaryGltfOfItsStatedLength) {
     const auto summary =
         build("city.3tz", generated(5), [&](BuildOptions& options) { options.reference = path("city.glb"); });
     ASSERT_TRUE(summary.ok());
-    const std::string bytes = bytes_of(path("city.glb"));
+    const std::string bytes = bytes_of("city.glb");
     ASSERT_GT(bytes.size(), 20U);
     std::array<uint32_t, 5> head{};
     std::memcpy(head.data(), bytes.data(), sizeof(head));
@@ -563,7 +477,7 @@ TEST_F(BuildCity, SharedChartsMakeTheAtlasSmallerAndDoNotDependOnThreads) {
     };
     const auto own = make("own.3tz", false, 2), shared = make("shared.3tz", true, 2);
     make("again.3tz", true, 1);
-    EXPECT_EQ(bytes_of(path("shared.3tz")), bytes_of(path("again.3tz")));
+    EXPECT_EQ(bytes_of("shared.3tz"), bytes_of("again.3tz"));
     const auto atlas_bytes = [](const BuildSummary& of) {
         const tileset::Manifest& m = of.manifest;
         return m.wire_bytes[static_cast<size_t>(Layer::kAtlas)] + m.chart_index_bytes + m.chart_levels_bytes;
@@ -588,7 +502,7 @@ TEST_F(BuildCity, DamageOfASharedChartIsNamed) {
                     options.leaf_triangles = 500;
                     options.shared_charts = true;
                 }).ok());
-    std::string bytes = bytes_of(path("city.3tz"));
+    std::string bytes = bytes_of("city.3tz");
     {
         const auto reader = archive::ArchiveReader::open(path("city.3tz")).value();
         const auto entries = reader->entries();

@@ -2,59 +2,28 @@
 #include <mutex>
 #include <set>
 
-#include "tests/tiles/layers/image_files.h"
-#include "tiles/layers/build_city.h"
+#include "tests/tiles/layers/city_builds.h"
+#include "tiles/layers/inspect_city.h"
+#include "tiles/tileset/chart_index.h"
 
 namespace citystream::tiles::layers {
 namespace {
 
-class BuildImages : public testing::Test {
+class BuildImages : public CityBuildTest {
   protected:
-    /// A street of walls of 12 x 8 m, one for each image file, each showing its image once.
-    CitySource walls(const std::vector<std::string>& images) const {
-        return [images](city::CityHeader&, city::CityCatalog& catalog, city::CityReport& report,
-                        const city::CitySink& sink) -> Status {
-            double x = 0;
-            for (const std::string& path : images) {
-                catalog.images.push_back({.path = path});
-                city::Material material;
-                material.image = static_cast<int32_t>(catalog.images.size() - 1);
-                city::CityObject object;
-                object.id = "wall of " + path;
-                object.kind = city::ObjectKind::kBuilding;
-                object.vertices = {{x, 0, 0}, {x + 12, 0, 0}, {x + 12, 0, 8}, {x, 0, 8}};
-                city::Triangle triangle;
-                triangle.material = catalog.add_material(material);
-                triangle.vertex = {0, 1, 2};
-                triangle.texcoord = {{{0, 0}, {1, 0}, {1, 1}}};
-                object.triangles.push_back(triangle);
-                triangle.vertex = {0, 2, 3};
-                triangle.texcoord = {{{0, 0}, {1, 1}, {0, 1}}};
-                object.triangles.push_back(triangle);
-                ++report.buildings_emitted;
-                x += 13;
-                if (!sink(std::move(object))) break;
-            }
-            return Done{};
-        };
-    }
     Result<BuildSummary> build(const std::vector<std::string>& images,
-                               const std::function<void(BuildOptions&)>& change = {}) {
-        BuildOptions options;
-        options.output = folder_.path("city.3tz");
-        options.jobs = 2;
-        if (change) change(options);
-        city::CityReport report;
-        return build_city(options, walls(images), report);
+                               const std::function<void(BuildOptions&)>& change = {}) const {
+        return CityBuildTest::build("city.3tz", street_of(images), change);
     }
-    std::string soft_image(const std::string& name) const {
+    /// A ramp; `kind`s have other colours.
+    std::string soft_image(const std::string& name, int side = 256, int kind = 0) const {
         std::vector<uint8_t> rgb;
-        for (int i = 0; i < 256 * 256; ++i) {
-            for (const int shift : {0, 40, 80}) rgb.push_back(static_cast<uint8_t>(shift + i / 256 / 2 + i % 256 / 4));
+        for (int i = 0; i < side * side; ++i) {
+            for (const int shift : {0, 40, 80})
+                rgb.push_back(static_cast<uint8_t>(shift + 9 * kind + i / side / 2 + i % side / 4));
         }
-        return folder_.write(name, 256, 256, 3, rgb);
+        return folder_.write(name, side, side, 3, rgb);
     }
-    ImageFolder folder_;
 };
 
 TEST_F(BuildImages, ASearchedCityIsSmallerAndSaysSo) {
@@ -82,6 +51,17 @@ TEST_F(BuildImages, WithoutAnAtlasNothingIsSearched) {
     ASSERT_TRUE(summary.ok());
     EXPECT_EQ(summary->images->metric_calls, 0U);
     EXPECT_EQ(summary->manifest.build_options.find("saliency"), std::string::npos);
+}
+
+TEST_F(BuildImages, WithoutAnAtlasMeshesCarryNothingOfPictures) {
+    const auto mesh_of = [&](const std::string& image) {
+        EXPECT_TRUE(build({image}, [](BuildOptions& options) { options.layers = {true, false, false, false}; }).ok());
+        const OpenCity city = open_city(path("city.3tz"));
+        return layer_words(city, city.tiles.at({}), tileset::Layer::kMesh).words;
+    };
+    const auto bare = mesh_of(path("absent.png"));
+    EXPECT_FALSE(bare.empty());
+    EXPECT_EQ(mesh_of(soft_image("soft.png")), bare);
 }
 
 TEST_F(BuildImages, ImagesComeBeforeTiles) {
@@ -129,6 +109,76 @@ TEST_F(BuildImages, ACityWhoseImagesExceedTheMemoryLimitIsTheSameCity) {
     EXPECT_EQ(tight->report.defect_count, 0U);
     EXPECT_LE(tight->images->peak_bytes, kLimit / 2);
     EXPECT_TRUE(folder_.bytes_of("city.3tz") == bytes);
+}
+
+TEST_F(BuildImages, RateDistortionGivesTheSameBytesWhateverTheThreads) {
+    std::vector<std::string> images;
+    for (int i = 0; i < 12; ++i)
+        images.push_back(soft_image(std::to_string(i) + ".png", 64, i % 4));  // three show each picture
+    const struct {
+        codec::atlas::AtlasForm form;
+        bool shared;
+    } ways[] = {{codec::atlas::AtlasForm::kCharts, false},
+                {codec::atlas::AtlasForm::kCharts, true},
+                {codec::atlas::AtlasForm::kPages, false}};
+    for (const auto& way : ways) {
+        const auto bytes = [&](uint32_t strength, uint32_t jobs) {
+            const auto built = build(images, [&](BuildOptions& options) {
+                options.atlas_form = way.form;
+                options.shared_charts = way.shared;
+                options.leaf_triangles = 1;
+                options.rate_distortion = strength;
+                options.jobs = jobs;
+            });
+            EXPECT_TRUE(built.ok());
+            return bytes_of("city.3tz");
+        };
+        const std::string one = bytes(64, 1);
+        EXPECT_TRUE(bytes(64, 3) == one) << way.shared;
+        EXPECT_TRUE(bytes(64, 2) == one) << way.shared;
+        EXPECT_LT(one.size(), bytes(0, 1).size()) << "it changes nothing: the test is too easy";
+    }
+}
+
+/// What is reported of sizes, beside the entries of the file: thesis tables 7 to 13 print ratios ten times too large.
+TEST_F(BuildImages, RatiosOfTheReportAreThoseOfTheBytesOnDisk) {
+    std::vector<std::string> images;
+    for (int i = 0; i < 6; ++i) images.push_back(soft_image(std::to_string(i) + ".png", 256, i % 4));
+    for (const bool shared : {false, true}) {
+        const auto built = build(images, [&](BuildOptions& options) {
+            options.shared_charts = shared;
+            options.leaf_triangles = 1;
+        });
+        ASSERT_TRUE(built.ok());
+        const OpenCity city = open_city(path("city.3tz"));
+        uint64_t on_disk = 0, in_all = 0;
+        for (const archive::ArchiveEntry& entry : city.reader->entries()) {
+            on_disk += entry.name.ends_with(".atlas") ? entry.size : 0;
+            in_all += entry.size;
+        }
+        uint64_t decoded = 0;
+        for (const auto& [address, record] : city.tiles)
+            decoded += 4 * layer_words(city, record, tileset::Layer::kAtlas).words.size();
+        const auto info = read_city_info(path("city.3tz"));
+        ASSERT_TRUE(info.ok());
+        const auto& layer = (*info)["layers"]["atlas"];
+        EXPECT_EQ(layer["wire_bytes"], on_disk);
+        EXPECT_EQ(layer["decoded_bytes"], decoded);
+        EXPECT_EQ(built->archive_bytes, std::filesystem::file_size(path("city.3tz")));
+        EXPECT_EQ((*info)["archive_bytes"], built->archive_bytes);
+        EXPECT_GT(built->archive_bytes, in_all);
+        if (shared) {
+            const auto& dictionary = (*info)["chart_dictionary"];
+            const uint64_t levels = city.reader->find(tileset::kChartLevelsPath).size();
+            EXPECT_GT(levels, 0U);
+            EXPECT_EQ(dictionary["wire_bytes"], levels);
+            EXPECT_EQ(dictionary["index_bytes"], city.reader->find(tileset::kChartIndexPath).size());
+            on_disk += levels;
+        }
+        // A total of ratios taken from these bytes: RGB over blocks alone is six.
+        EXPECT_EQ(built->images->decoded_pixels, 6U * 256 * 256);
+        EXPECT_GT(3.0 * static_cast<double>(built->images->decoded_pixels), 6.0 * static_cast<double>(on_disk));
+    }
 }
 
 }  // namespace

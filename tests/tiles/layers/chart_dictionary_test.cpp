@@ -55,7 +55,8 @@ class SharedCharts : public testing::Test {
         options.jobs = jobs;
         const std::string name = "run" + std::to_string(runs_++);
         const auto spool = quadtree::SpoolFile::create(folder_ / (name + ".spool")).value();
-        auto made = ChartDictionary::make(wishes, {images_, facades_, {}}, options, *spool);
+        MemoryGate gate(1 << 20);
+        auto made = ChartDictionary::make(wishes, {images_, facades_, {}}, options, gate, *spool);
         EXPECT_TRUE(made.ok());
         Made out{std::move(made).value(), {}, {}};
         if (out.dictionary.records().empty()) return out;
@@ -196,6 +197,25 @@ TEST_F(SharedCharts, NoWishesGiveAnEmptyDictionary) {
     Made made = make();
     EXPECT_TRUE(made.dictionary.records().empty());
     EXPECT_FALSE(find(made, 0));
+}
+
+TEST(OwnTexels, AreThoseThatTheShelfDoesNotHave) {
+    class OneImage final : public ChartShelf {
+      public:
+        std::optional<SharedChart> take(const ChartKey& key, double, uint64_t) override {
+            if (key.name[0] != 7) return std::nullopt;
+            return SharedChart{3, 1, 0};
+        }
+    } shelf;
+    OwnTexels own(&shelf);
+    EXPECT_EQ(own.take({ChartKey::Kind::kImage, {7, 0}}, 0, 1000)->number, 3U);
+    EXPECT_EQ(own.count(), 0U);
+    EXPECT_EQ(own.take({ChartKey::Kind::kImage, {8, 0}}, 2, 100)->coarseness, 2);
+    own.take({ChartKey::Kind::kFacadePicture, {9, 0}}, 0.1, 20);
+    EXPECT_EQ(own.count(), 120U);
+    OwnTexels without(nullptr);
+    without.take({ChartKey::Kind::kImage, {7, 0}}, 0, 1000);
+    EXPECT_EQ(without.count(), 1000U);
 }
 
 }  // namespace

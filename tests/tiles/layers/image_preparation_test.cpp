@@ -44,6 +44,26 @@ Bytes pattern(uint32_t width, uint32_t height, uint32_t seed = 1, double contras
     return out;
 }
 
+/// The same with alpha: soft bars and noise at their edges.
+Bytes pattern_with_alpha(uint32_t width, uint32_t height, uint32_t seed = 1) {
+    const Bytes rgb = pattern(width, height, seed), grain = noise(size_t{width} * height, seed + 1);
+    Bytes out;
+    for (size_t i = 0; i < grain.size(); ++i) {
+        const double bars = 128 + 200 * std::sin(6.2832 * 3 * static_cast<double>(i % width) / width) + grain[i] / 16.0;
+        out.insert(out.end(), &rgb[3 * i], &rgb[3 * i] + 3);
+        out.push_back(static_cast<uint8_t>(std::clamp(bars, 0.0, 255.0)));
+    }
+    return out;
+}
+
+/// As it is drawn at a size; four channels, whether it was stored with alpha or not.
+codec::atlas::Image drawn(ChartImage chart, uint32_t width, uint32_t height) {
+    if (chart.alpha.empty()) chart.alpha.assign(size_t{chart.width} * chart.height, 255);
+    auto image = resample(linear_image(chart), width, height, codec::atlas::Shrink::kLanczos, {true, true});
+    test_alpha(image);
+    return image;
+}
+
 class ImagePreparation : public testing::Test {
   protected:
     uint32_t add_file(const std::string& path, const ImageUse& use) {
@@ -140,6 +160,28 @@ TEST_F(ImagePreparation, TheSearchKeepsToTheToleranceAgainstTheViewMatchedImage)
                                           codec::atlas::Shrink::kLanczos, {true, true});
         EXPECT_LE(reference.error(shown_again), options_.saliency.largest_error()) << metric;
         EXPECT_EQ(searched.width % 4, 0U);
+    }
+}
+
+TEST_F(ImagePreparation, WhatIsStoredOfAnImageWithAlphaKeepsToTheToleranceToo) {
+    const auto path = folder_.write("bars.png", 200, 160, 4, pattern_with_alpha(200, 160));
+    for (const double metres : {100.0, 1.0}) {  // as it is, and view-matched
+        for (const char* metric : {"ssim:0.9", "flip:0.1", "rmse:0.1", "hvse:0.3"}) {
+            catalog_.images.clear();
+            uses_.clear();
+            add_file(path, shown(metres, metres));
+            options_.saliency = {};
+            prepare();
+            const ChartImage matched = image(0);
+            ASSERT_FALSE(matched.alpha.empty());
+            options_.saliency = *codec::atlas::parse_metric(metric);
+            const auto report = prepare();
+            EXPECT_LT(report.prepared_pixels, report.matched_pixels) << metric;
+            const uint32_t width = matched.width, height = matched.height;
+            const codec::atlas::MetricReference reference(drawn(matched, width, height), options_.saliency.kind);
+            const double error = reference.error(drawn(image(0), width, height));
+            EXPECT_LE(error, options_.saliency.largest_error() + 1e-9) << metric;
+        }
     }
 }
 
@@ -298,17 +340,24 @@ TEST_F(ImagePreparation, ACityOfImagesLargerThanTheBudgetIsPreparedWithinIt) {
 
 TEST_F(ImagePreparation, NoMetricHoldsMoreThanPlanned) {
     const Bytes rgb = pattern(320, 320, 1, 40);
+    const auto bars = folder_.write("bars.tif", 320, 320, 4, pattern_with_alpha(320, 320));
     for (const char* metric : {"rmse:0.02", "nrmse:0.1", "tm:0.02", "mannos:0.05", "daly:0.05", "ahumada:0.05",
                                "hvse:0.1", "ssim:0.95", "flip:0.05"}) {
-        catalog_.images.clear();
-        uses_.clear();
-        add_drawn(320, 320, rgb, shown(100, 100));
-        options_.saliency = *codec::atlas::parse_metric(metric);
-        options_.jobs = 1;
-        memory_count::start();
-        const auto report = prepare();
-        EXPECT_GT(report.metric_calls, 0U) << metric;
-        EXPECT_LE(memory_count::peak(), report.peak_bytes) << metric;
+        for (const bool alpha : {false, true}) {
+            catalog_.images.clear();
+            uses_.clear();
+            if (alpha) {
+                add_file(bars, shown(100, 100));
+            } else {
+                add_drawn(320, 320, rgb, shown(100, 100));
+            }
+            options_.saliency = *codec::atlas::parse_metric(metric);
+            options_.jobs = 1;
+            memory_count::start();
+            const auto report = prepare();
+            EXPECT_GT(report.metric_calls, 0U) << metric;
+            EXPECT_LE(memory_count::peak(), report.peak_bytes) << metric << (alpha ? " with alpha" : "");
+        }
     }
 }
 

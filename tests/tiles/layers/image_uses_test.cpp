@@ -130,5 +130,28 @@ TEST(FinestSize, HalvesEachAxisWhileItIsFinerThanAnyTileShows) {
     EXPECT_EQ(finest_size({16384, 8193}, use, kLeafTexel), (ChartSize{1, 1024}));
 }
 
+TEST(FinestSize, NeverEnlargesAnAxisAndStaysByTheTexelWanted) {
+    uint32_t seed = 11;
+    const auto random = [&seed](uint32_t most) {
+        seed = seed * 1664525U + 1013904223U;
+        return 1 + static_cast<uint32_t>(uint64_t{seed} * most >> 32);
+    };
+    for (int i = 0; i < 10'000; ++i) {
+        const ChartSize image{random(1U << random(15)), random(1U << random(15))};
+        const double texel = 0.001 * random(5000);
+        ImageUse use;
+        use.coverage = {0.01 * random(100'000), 0.01 * random(100'000), 1, 1, 1, 1, 0};
+        const ChartSize size = finest_size(image, use, texel), view = view_size(image, use.coverage, texel);
+        for (const auto& [side, matched, viewed] :
+             {std::array{image.width, size.width, view.width}, std::array{image.height, size.height, view.height}}) {
+            ASSERT_TRUE(matched >= 1 && matched <= std::min(side, 8192U)) << side;
+            ASSERT_LE(matched, kFinestShare * (viewed + 1)) << side << " at " << texel;
+            if (viewed < 4096) {
+                ASSERT_GE(matched + 1, std::min<double>(side, kFinestShare / 2 * viewed)) << side << " at " << texel;
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace citystream::tiles::layers

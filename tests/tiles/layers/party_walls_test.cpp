@@ -50,7 +50,7 @@ class PartyWalls : public testing::Test {
 
     city::CityCatalog catalog_;
     ImageCache images_{catalog_, 1 << 20};
-    FacadePainter painter_{catalog_, images_};
+    FacadePainter painter_{catalog_, images_, 20000};
     uint32_t map_ = 0;
 };
 

@@ -7,8 +7,10 @@
 #include <set>
 
 #include "codec/facade/run_grid.h"
+#include "tests/tiles/layers/image_files.h"
 #include "tiles/layers/block.h"
 #include "tiles/layers/coarsen.h"
+#include "tiles/layers/cutout.h"
 #include "tiles/layers/decimate.h"
 #include "tiles/layers/ground.h"
 #include "tiles/layers/hidden_faces.h"
@@ -78,7 +80,7 @@ BuildObject lattice(int cells, const Height& height) {
 struct Workshop {
     city::CityCatalog catalog;
     ImageCache images{catalog, 1 << 20};
-    FacadePainter facades{catalog, images};
+    FacadePainter facades{catalog, images, 20000};
     FacadeNumbers numbers;
 };
 
@@ -215,6 +217,96 @@ TEST(Crowd, ABoxOfTheSameFootprintReplacesSmallThings) {
     EXPECT_NEAR(to_metres(box.hi.z - box.lo.z), 3, 0.01);
     EXPECT_GT(objects[1].error, 1.0F);
     EXPECT_LT(objects[1].error, 10.0F);
+}
+
+/// A material whose picture is half there, in stripes.
+uint32_t add_stripes(city::CityCatalog& catalog, const ImageFolder& folder) {
+    std::vector<uint8_t> texels;
+    for (int i = 0; i < 16 * 16; ++i) texels.insert(texels.end(), {20, 160, 30, i % 8 < 4 ? uint8_t{255} : uint8_t{0}});
+    catalog.images.push_back({folder.write("stripes.png", 16, 16, 4, texels)});
+    city::Material stripes;
+    stripes.image = static_cast<int32_t>(catalog.images.size() - 1);
+    return catalog.add_material(stripes);
+}
+
+/// Two crossed upright pictures, 1 m wide and high.
+BuildObject crossed_pictures(double x, double y, uint32_t material) {
+    BuildObject tree;
+    tree.kind = city::ObjectKind::kOther;
+    tree.paints = {{quadtree::PaintKind::kMaterial, material, 0}};
+    for (const auto& [dx, dy] : {std::array{0.5, 0.0}, std::array{0.0, 0.5}}) {
+        const auto v = static_cast<uint32_t>(tree.vertices.size());
+        for (const auto& [side, z] : {std::array{-1, 0}, std::array{1, 0}, std::array{1, 1}, std::array{-1, 1}})
+            tree.vertices.push_back({to_grid(x + side * dx), to_grid(y + side * dy), z * kMetre});
+        add(tree, v, v + 1, v + 2);
+        add(tree, v, v + 2, v + 3);
+    }
+    return tree;
+}
+
+double upright_area(const BuildObject& object) {
+    double area = 0;
+    for (const BuildTriangle& t : object.triangles) {
+        const auto n = quadtree::triangle_normal(object.vertices[t.vertex[0]], object.vertices[t.vertex[1]],
+                                                 object.vertices[t.vertex[2]]);
+        area += std::hypot(n[0], n[1]) / 2 / (kMetre * kMetre);
+    }
+    return area;
+}
+
+TEST(Crowd, WhatIsCutOutBecomesFewerOfItsOwnFacesThatCoverAsMuch) {
+    const ImageFolder folder;
+    Workshop shop;
+    const uint32_t stripes = add_stripes(shop.catalog, folder);
+    std::vector<BuildObject> objects;
+    for (int i = 0; i < 4; ++i) objects.push_back(crossed_pictures(1 + 2 * i, 1, stripes));
+    ASSERT_TRUE(see_through(objects[0], shop.images));
+    merge_crowds(objects, 10 * kMetre, shop.images, shop.facades);
+    ASSERT_EQ(objects.size(), 1U);
+    EXPECT_EQ(objects[0].triangles.size(), 4U);
+    for (const Paint& paint : objects[0].paints) EXPECT_EQ(paint.kind, quadtree::PaintKind::kMaterial);
+    const auto box = objects[0].box();
+    EXPECT_EQ(box.lo.z, 0);
+    EXPECT_EQ(box.hi.z, kMetre) << "no higher than they were";
+    EXPECT_GT(upright_area(objects[0]), 2.5) << "two of eight square metres would be left without enlarging";
+    EXPECT_GT(objects[0].error, 0.0F);
+}
+
+TEST(Crowd, SolidThingsBesideCutOutOnesStillBecomeABoxOfTheirOwn) {
+    const ImageFolder folder;
+    Workshop shop;
+    const uint32_t stripes = add_stripes(shop.catalog, folder);
+    std::vector<BuildObject> objects;
+    for (double x : {1.0, 5.0}) {
+        objects.push_back(crossed_pictures(x, 1, stripes));
+        objects.push_back(prism({{x, 3}, {x + 2, 3}, {x + 2, 5}, {x, 5}}, 3));
+    }
+    EXPECT_FALSE(see_through(objects[1], shop.images));
+    merge_crowds(objects, 10 * kMetre, shop.images, shop.facades);
+    ASSERT_EQ(objects.size(), 2U);
+    EXPECT_EQ(objects[0].triangles.size(), 10U);
+    EXPECT_FALSE(see_through(objects[0], shop.images));
+    EXPECT_TRUE(see_through(objects[1], shop.images));
+}
+
+TEST(ThinFaces, StatesTheDistanceMeasuredAndMakesNothingWhereThatIsTooFar) {
+    const ImageFolder folder;
+    Workshop shop;
+    const uint32_t stripes = add_stripes(shop.catalog, folder);
+    BuildObject bush = crossed_pictures(0, 0, stripes);
+    for (int i = 1; i < 6; ++i) {
+        const BuildObject more = crossed_pictures(0.8 * i, 0.5 * i, stripes);
+        const auto base = static_cast<uint32_t>(bush.vertices.size());
+        bush.vertices.insert(bush.vertices.end(), more.vertices.begin(), more.vertices.end());
+        for (const BuildTriangle& t : more.triangles)
+            add(bush, t.vertex[0] + base, t.vertex[1] + base, t.vertex[2] + base);
+    }
+    const auto thin = thin_faces(bush, 4, shop.images);
+    ASSERT_TRUE(thin.has_value());
+    EXPECT_LT(thin->triangles.size(), bush.triangles.size());
+    EXPECT_NEAR(surface_distance(surface_of(bush, {}), surface_of(*thin, {}), 1e9) * kMetresPerGridUnit,
+                static_cast<double>(thin->error), 1e-6);
+    EXPECT_FALSE(thin_faces(bush, 0.01, shop.images).has_value());
 }
 
 TEST(Decimate, AFlatLatticeKeepsItsBorderAndLosesItsInside) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace citystream::tiles::layers::test {
 namespace {
 
@@ -19,15 +21,17 @@ TEST(TextureLaw, TheThesissPresetIsTableTwo) {
     EXPECT_DOUBLE_EQ(law.inner_texel(1, 9), 0.4);
     EXPECT_DOUBLE_EQ(law.inner_texel(2, 9), 3.2);
     EXPECT_DOUBLE_EQ(law.inner_texel(5, 9), 3.2) << "taller trees end with the root's";
+    const std::array<uint32_t, 4> mips = {law.mips(0), law.mips(1), law.mips(2), law.mips(5)};
+    EXPECT_EQ(mips, (std::array<uint32_t, 4>{2, 2, 0, 0}));
+    EXPECT_EQ(parse_texture_law("0.05,8,3")->mips(1), 3U) << "as far as the next level's texels";
 }
 
 TEST(TextureLaw, IsPrintedAsItIsParsed) {
-    for (const char* text : {"0.02", "0.05", "0.05,8,3", "0.1,2,16", "0.025,1.5,1"}) {
+    for (const char* text : {"thesis", "0.02", "0.05", "0.05,8,3", "0.1,2,16", "0.025,1.5,1"}) {
         const auto law = parse_texture_law(text);
         ASSERT_TRUE(law.ok()) << text;
         EXPECT_EQ(to_string(*law), text);
     }
-    EXPECT_EQ(to_string(*parse_texture_law("thesis")), "0.05,8,3");
     EXPECT_EQ(to_string(TextureLaw()), "0.02,4,8");
 }
 
