@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "client/reference/glb_scene.h"
 #include "client/reference/gles_context.h"
@@ -170,9 +171,12 @@ Status GlesReferenceRenderer::initialise() {
 
 Status GlesReferenceRenderer::make_program() {
     const auto* extensions = reinterpret_cast<const char*>(glGetString(GL_EXTENSIONS));
-    if (!extensions || !std::strstr(extensions, "GL_EXT_clip_control"))
-        return Error{
-            "the OpenGL ES driver has no GL_EXT_clip_control, which the reference renderer needs for reversed depth"};
+    for (const auto& [name, purpose] : {std::pair{"GL_EXT_clip_control", "reversed depth"},
+                                        std::pair{"GL_EXT_texture_sRGB_decode", "mips made in linear light"}}) {
+        if (!extensions || !std::strstr(extensions, name))
+            return Error{std::string("the OpenGL ES driver has no ") + name +
+                         ", which the reference renderer needs for " + purpose};
+    }
     const GLuint vertex = compile(GL_VERTEX_SHADER, kVertexShader),
                  fragment = compile(GL_FRAGMENT_SHADER, kFragmentShader);
     program_ = glCreateProgram();
@@ -239,9 +243,11 @@ std::vector<bool> masked_images(const GlbScene& scene) {
     return masked;
 }
 
+/// As sRGB, so that the driver makes mips in linear light; they are sampled as encoded values (GL_SKIP_DECODE_EXT),
+/// which all colour arithmetic is on.
 void upload_level(GLint level, uint32_t width, uint32_t height, const uint8_t* rgba) {
-    glTexImage2D(GL_TEXTURE_2D, level, GL_RGBA8, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0, GL_RGBA,
-                 GL_UNSIGNED_BYTE, rgba);
+    glTexImage2D(GL_TEXTURE_2D, level, GL_SRGB8_ALPHA8, static_cast<GLsizei>(width), static_cast<GLsizei>(height), 0,
+                 GL_RGBA, GL_UNSIGNED_BYTE, rgba);
 }
 
 /// Mips of as much of the image as the image has (codec/atlas/alpha_mask.h), down to the last one that can show it.
@@ -273,6 +279,7 @@ void GlesReferenceRenderer::upload_textures() {
         } else {
             glGenerateMipmap(GL_TEXTURE_2D);
         }
+        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_SRGB_DECODE_EXT, GL_SKIP_DECODE_EXT);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
         glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
         gpu_bytes_ += uint64_t{4} * width * height * 4 / 3;

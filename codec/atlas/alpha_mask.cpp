@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "codec/atlas/box_taps.h"
+#include "codec/atlas/linear_bytes.h"
 
 namespace citystream::codec::atlas {
 
@@ -80,6 +81,7 @@ std::vector<uint8_t> steepened(const ChartImage& image, int32_t threshold) {
 
 /// Colours and alpha of the next coarser mip, alpha's plain mean.
 ChartImage filtered(const ChartImage& fine) {
+    const LinearBytes& light = LinearBytes::tables();
     ChartImage out;
     out.width = std::max(1U, fine.width >> 1);
     out.height = std::max(1U, fine.height >> 1);
@@ -97,16 +99,15 @@ ChartImage filtered(const ChartImage& fine) {
             for_each_tap(across, up, [&](uint32_t i, uint32_t j, uint64_t share) {
                 const size_t texel = size_t{2 * y + j} * fine.width + 2 * x + i;
                 for (size_t c = 0; c < 3; ++c) {
-                    all[c] += share * fine.rgb[3 * texel + c];
-                    seen[c] += share * fine.alpha[texel] * fine.rgb[3 * texel + c];
+                    const uint64_t linear = share * light.linear(fine.rgb[3 * texel + c]);
+                    all[c] += linear;
+                    seen[c] += fine.alpha[texel] * linear;
                 }
                 weight += share * fine.alpha[texel];
             });
             const uint64_t total = uint64_t{across.total} * up.total;
-            for (size_t c = 0; c < 3; ++c) {
-                out.rgb.push_back(static_cast<uint8_t>(weight > 0 ? (2 * seen[c] + weight) / (2 * weight)
-                                                                  : (2 * all[c] + total) / (2 * total)));
-            }
+            for (size_t c = 0; c < 3; ++c)
+                out.rgb.push_back(weight > 0 ? light.mean(seen[c], weight) : light.mean(all[c], total));
             out.alpha.push_back(static_cast<uint8_t>((2 * weight + total) / (2 * total)));
         }
     }

@@ -10,6 +10,7 @@
 #include "codec/atlas/bc1.h"
 #include "codec/atlas/bc4.h"
 #include "codec/atlas/box_taps.h"
+#include "codec/atlas/linear_bytes.h"
 #include "codec/atlas/mip_plan.h"
 #include "codec/atlas/shared_chart.h"
 #include "codec/atlas/step_blocks.h"
@@ -24,22 +25,25 @@ static_assert(kMipTableAt + 16 == ATLAS_HEADER_WORDS);
 void filter_texel(const ChartImage& fine, uint32_t x, uint32_t y, uint8_t out[3]) {
     const BoxTaps across = box_taps(x, fine.width);
     const BoxTaps up = box_taps(y, fine.height);
+    const LinearBytes& light = LinearBytes::tables();
     uint64_t sum[3] = {};
     for_each_tap(across, up, [&](uint32_t i, uint32_t j, uint64_t weight) {
         const uint8_t* texel = &fine.rgb[3 * (size_t{2 * y + j} * fine.width + 2 * x + i)];
-        for (int c = 0; c < 3; ++c) sum[c] += weight * texel[c];
+        for (int c = 0; c < 3; ++c) sum[c] += weight * light.linear(texel[c]);
     });
     const uint64_t total = uint64_t{across.total} * up.total;
-    for (int c = 0; c < 3; ++c) out[c] = static_cast<uint8_t>((2 * sum[c] + total) / (2 * total));
+    for (int c = 0; c < 3; ++c) out[c] = light.mean(sum[c], total);
 }
 
 /// The common case: both sides even.
 void filter_even_row(const ChartImage& fine, uint32_t y, uint32_t width, uint8_t* out) {
     const uint8_t* low = &fine.rgb[3 * size_t{2 * y} * fine.width];
     const uint8_t* high = low + 3 * size_t{fine.width};
+    const LinearBytes& light = LinearBytes::tables();
     for (uint32_t x = 0; x < width; ++x, low += 6, high += 6, out += 3) {
         for (int c = 0; c < 3; ++c)
-            out[c] = static_cast<uint8_t>((low[c] + low[c + 3] + high[c] + high[c + 3] + 2) / 4);
+            out[c] = light.mean_of_four(light.linear(low[c]) + light.linear(low[c + 3]) + light.linear(high[c]) +
+                                        light.linear(high[c + 3]));
     }
 }
 

@@ -25,8 +25,8 @@ struct ChartImage {
 
 inline constexpr int32_t kAlphaTest = 128;  ///< of 255: one half, as shaders and glTF's alphaCutoff have it
 
-/// The next coarser mip (max(1, size >> 1)), 2 x 2 box filter (odd sizes: weighted three-tap box), rounding half up;
-/// integer, deterministic. With alpha: alpha_mask.h.
+/// The next coarser mip (max(1, size >> 1)), 2 x 2 box filter (odd sizes: weighted three-tap box) in linear light,
+/// rounded to the nearest value; integer, deterministic. With alpha: alpha_mask.h.
 ChartImage downsample(const ChartImage& image);
 
 struct AtlasOptions {

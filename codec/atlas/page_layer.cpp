@@ -8,6 +8,7 @@
 #include "codec/atlas/bc1.h"
 #include "codec/atlas/chart_border.h"
 #include "codec/atlas/chart_content.h"
+#include "codec/atlas/linear_bytes.h"
 #include "codec/atlas/resample.h"
 #include "codec/atlas/step_blocks.h"
 #include "codec/atlas/wrap_coordinate_layout.h"
@@ -31,17 +32,19 @@ struct PagePicture {
     std::vector<uint8_t> rgb;
 };
 
-/// 2 x 2 box, rounded half up, as chart mips are made.
+/// 2 x 2 box in linear light, as chart mips are made.
 PagePicture halved(const PagePicture& fine) {
     PagePicture coarse{fine.width / 2, fine.height / 2, {}};
     coarse.rgb.resize(size_t{3} * coarse.width * coarse.height);
     const size_t row = size_t{3} * fine.width;
     uint8_t* out = coarse.rgb.data();
+    const LinearBytes& light = LinearBytes::tables();
     for (uint32_t y = 0; y < coarse.height; ++y) {
         const uint8_t* low = fine.rgb.data() + 2 * y * row;
         for (uint32_t x = 0; x < coarse.width; ++x, low += 6) {
             for (size_t c = 0; c < 3; ++c)
-                *out++ = static_cast<uint8_t>((low[c] + low[c + 3] + low[row + c] + low[row + c + 3] + 2) / 4);
+                *out++ = light.mean_of_four(light.linear(low[c]) + light.linear(low[c + 3]) +
+                                            light.linear(low[row + c]) + light.linear(low[row + c + 3]));
         }
     }
     return coarse;
