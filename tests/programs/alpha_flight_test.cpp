@@ -61,13 +61,23 @@ struct Quad {
     double repeats_u, repeats_v;
 };
 
-/// A fence of 24 x 2 m, two trees of crossed pictures, and a white wall of 60 x 20 m behind them.
-std::string city_json() {
-    const std::vector<Quad> quads = {{"CityFurniture", {-12, 0, 12, 0}, 2, 0, 12, 1},
-                                     {"SolitaryVegetationObject", {-7, 4, -1, 4}, 8, 1, 1, 1},
-                                     {"SolitaryVegetationObject", {-4, 1, -4, 7}, 8, 1, 1, 1},
-                                     {"SolitaryVegetationObject", {2, 6, 8, 6}, 8, 1, 1, 1},
-                                     {"Building", {-30, 12, 30, 12}, 20, -1, 1, 1}};
+/// A fence of 24 x 2 m, two trees of crossed pictures, and a white wall of 60 x 20 m behind them; side x side times,
+/// to the east and to the north.
+std::string city_json(int side) {
+    const std::vector<Quad> one = {{"CityFurniture", {-12, 0, 12, 0}, 2, 0, 12, 1},
+                                   {"SolitaryVegetationObject", {-7, 4, -1, 4}, 8, 1, 1, 1},
+                                   {"SolitaryVegetationObject", {-4, 1, -4, 7}, 8, 1, 1, 1},
+                                   {"SolitaryVegetationObject", {2, 6, 8, 6}, 8, 1, 1, 1},
+                                   {"Building", {-30, 12, 30, 12}, 20, -1, 1, 1}};
+    std::vector<Quad> quads;
+    for (int i = 0; i < side * side; ++i) {
+        const double east = 70.0 * (i % side), north = 40.0 * (i / side);
+        for (Quad quad : one) {
+            const auto& f = quad.foot;
+            quad.foot = {f[0] + east, f[1] + north, f[2] + east, f[3] + north};
+            quads.push_back(quad);
+        }
+    }
     json city = {{"type", "CityJSON"}, {"version", "2.0"}};
     json vertices = json::array(), places = json::array(), objects = json::object();
     for (const Quad& quad : quads) {
@@ -105,10 +115,23 @@ class AlphaFlight : public testing::Test {
     void SetUp() override {
         write_file(folder_ / "fence.tga", cut_out(in_fence));
         write_file(folder_ / "tree.tga", cut_out(in_tree));
-        write_file(folder_ / "city.json", city_json());
-        const Outcome built = run({program("citystream-build"), folder_ / "city.json", "-o", folder_ / "city.3tz",
-                                   "--reference", folder_ / "city.glb", "--json"});
-        ASSERT_EQ(built.exit_code, 0) << built.error;
+        build(1);
+    }
+
+    /// The builder's summary.
+    json build(int side, const std::vector<std::string>& more = {}) {
+        write_file(folder_ / "city.json", city_json(side));
+        std::vector<std::string> command = {program("citystream-build"),
+                                            folder_ / "city.json",
+                                            "-o",
+                                            folder_ / "city.3tz",
+                                            "--reference",
+                                            folder_ / "city.glb",
+                                            "--json"};
+        command.insert(command.end(), more.begin(), more.end());
+        const Outcome built = run(command);
+        EXPECT_EQ(built.exit_code, 0) << built.error;
+        return built.exit_code == 0 ? json::parse(built.output) : json();
     }
 
     static Camera camera(double distance, double height) {
@@ -215,6 +238,23 @@ TEST_F(AlphaFlight, AFenceNeitherVanishesNorClosesHoweverFarItIs) {
             RecordProperty("share_" + std::to_string(static_cast<int>(distance)), std::to_string(share));
             EXPECT_NEAR(share, kFenceShare, 0.2 * kFenceShare) << distance << " m, tolerance " << tolerance;
         }
+    }
+}
+
+TEST_F(AlphaFlight, PicturesThatTilesShareAndASearchMadeSmallerLookLikeTheReference) {
+    const json plain = build(32), searched = build(32, {"--saliency", "rmse:0.05"});
+    EXPECT_GT(searched["shared_charts"], 0);
+    EXPECT_GT(searched["images"]["metric_calls"], 0);
+    EXPECT_LT(searched["images"]["prepared_pixels"], plain["images"]["prepared_pixels"]);
+    for (const auto& [distance, least] : {std::pair{14.0, 22.0}, {40.0, 25.0}, {120.0, 28.0}}) {
+        const Camera view = camera(distance, 3);
+        const FrameImage image = ours(view);
+        EXPECT_EQ(magenta(image), 0u);
+        EXPECT_GT(psnr(image, reference(view)), least) << distance;
+    }
+    for (const double distance : {26.0, 100.0}) {
+        const Camera view = camera(distance, 1);
+        EXPECT_NEAR(green_share(ours(view), fence_box(view)), kFenceShare, 0.2 * kFenceShare) << distance;
     }
 }
 
