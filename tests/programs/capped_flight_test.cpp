@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "tests/programs/flown_frames.h"
 #include "tests/programs/program_runner.h"
 #include "tiles/layers/build_city.h"
 
@@ -105,26 +106,9 @@ std::string path_over_the_city() {
     return path;
 }
 
-Json fly(const std::string& place, const std::vector<std::string>& more = {}) {
-    const TemporaryFolder folder;
-    write_file(folder / "path.csv", path_over_the_city());
-    std::vector<std::string> command = {program("citystream-fly"),
-                                        place,
-                                        "--path",
-                                        folder / "path.csv",
-                                        "--fps",
-                                        "1",
-                                        "--size",
-                                        "320x180",
-                                        "--tolerance",
-                                        fmt::format("{}", kTolerance),
-                                        "--stats",
-                                        folder / "s",
-                                        "--validation"};
-    command.insert(command.end(), more.begin(), more.end());
-    const Outcome outcome = run(command);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
-    return outcome.exit_code == 0 ? Json::parse(read_file(folder / "s")) : Json();
+Json fly(const std::string& place, std::vector<std::string> more = {}) {
+    more.insert(more.end(), {"--tolerance", fmt::format("{}", kTolerance)});
+    return fly_into(TemporaryFolder(), place, path_over_the_city(), "320x180", more);
 }
 
 class CappedFlight : public testing::TestWithParam<AtlasForm> {};

@@ -20,10 +20,10 @@ struct Flown {
     std::vector<client::FrameImage> frames;
 };
 
-/// Flies a path of three cameras, validation on; `more`: further options.
-inline Flown fly_three_frames(const std::string& place, const std::string& path, const std::string& size,
-                              const std::vector<std::string>& more) {
-    const TemporaryFolder folder;
+/// Flies a path at a frame a second, validation on, into `folder`; the statistics, null where there are none. `more`:
+/// further options.
+inline nlohmann::json fly_into(const TemporaryFolder& folder, const std::string& place, const std::string& path,
+                               const std::string& size, const std::vector<std::string>& more) {
     write_file(folder / "path.csv", path);
     std::vector<std::string> command = {program("citystream-fly"),
                                         place,
@@ -35,16 +35,22 @@ inline Flown fly_three_frames(const std::string& place, const std::string& path,
                                         size,
                                         "--stats",
                                         folder / "s",
-                                        "--frames",
-                                        folder / "frames",
                                         "--validation"};
     command.insert(command.end(), more.begin(), more.end());
     const Outcome outcome = run(command);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    if (outcome.exit_code != 0 || !std::filesystem::exists(folder / "s")) return {};
+    return nlohmann::json::parse(read_file(folder / "s"));
+}
+
+/// The same of a path of three cameras, with their frames.
+inline Flown fly_three_frames(const std::string& place, const std::string& path, const std::string& size,
+                              std::vector<std::string> more) {
+    const TemporaryFolder folder;
+    more.insert(more.end(), {"--frames", folder / "frames"});
+    const nlohmann::json statistics = fly_into(folder, place, path, size, more);
     Flown flown;
-    if (outcome.exit_code != 0) return flown;
-    if (std::filesystem::exists(folder / "s"))
-        flown.summary = nlohmann::json::parse(read_file(folder / "s"))["summary"];
+    if (!statistics.is_null()) flown.summary = statistics["summary"];
     for (int i = 0; i < 3; ++i) {
         auto frame = client::read_png(folder / fmt::format("frames/frame_{:05}.png", i));
         EXPECT_TRUE(frame);
