@@ -74,7 +74,7 @@ vec3 hit_texel(uint slot, vec2 at, vec2 dx, vec2 dy) {
     float metres_per_repeat = uintBitsToFloat(layer_word(facade, entry + 1u));
     float repeats_per_texel = metres_per_repeat > 0.0 ? 0.01 / metres_per_repeat : 0.0;
     if (kPages) {
-        PageSurface surface = surface_of_chart(layer_word(facade, entry));
+        PageSurface surface = surface_of_word(pages_of(layer_reference(constants.tile.atlas)), layer_word(facade, entry));
         return sample_surface(surface, at * repeats_per_texel, dx * repeats_per_texel, dy * repeats_per_texel);
     }
     return sample_chart(tile_chart(layer_word(facade, entry)), at * repeats_per_texel, dx * repeats_per_texel,
@@ -83,13 +83,10 @@ vec3 hit_texel(uint slot, vec2 at, vec2 dx, vec2 dy) {
 
 // Colour of a hit. `change_x`, `change_y`: how the ray changes over what the sample stands for.
 vec3 shade(FacadeMap map, FacadeHit hit, vec3 start, vec3 ray, vec3 change_x, vec3 change_y) {
-    vec3 texel = kUntexturedColour;
-    if (has_atlas()) {
-        float t = 1.0 + hit.t;
-        // Hits in the margin show the facade's rim.
-        vec2 on_wall = clamp((start + hit.t * ray).xy, vec2(0.0), vec2(map_width(map), map_height(map)));
-        texel = hit_texel(hit.label >> 16, on_wall, hit_gradient(ray, change_x, hit.axis, t).xy, hit_gradient(ray, change_y, hit.axis, t).xy);
-    }
+    float t = 1.0 + hit.t;
+    // Hits in the margin show the facade's rim.
+    vec2 on_wall = clamp((start + hit.t * ray).xy, vec2(0.0), vec2(map_width(map), map_height(map)));
+    vec3 texel = hit_texel(hit.label >> 16, on_wall, hit_gradient(ray, change_x, hit.axis, t).xy, hit_gradient(ray, change_y, hit.axis, t).xy);
     vec3 normal = hit_normal(hit);
     vec3 at = start + hit.t * ray;
     return lit(tinted(texel, normal, tint.x + tint.y * at.x + tint.z * at.z), normal).rgb;

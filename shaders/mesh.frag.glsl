@@ -21,10 +21,10 @@ layout(location = 0) out vec4 colour;
 void main() {
     vec2 dx = dFdx(texcoord);
     vec2 dy = dFdy(texcoord);
-    vec3 texel = kUntexturedColour;
+    vec3 texel;
     if (kPages) {
         texel = sample_surface(PageSurface(chart_place, chart_words), texcoord, dx, dy);
-    } else if (has_atlas()) {
+    } else {
         AtlasChart chart =
             AtlasChart(chart_place.xy, uintBitsToFloat(chart_place.z), chart_words.x, chart_words.y, chart_words.z, chart_words.w);
         if (kAlphaTest && has_alpha(chart) && sample_alpha(chart, texcoord, dx, dy) < 0.5) {

@@ -36,9 +36,9 @@ void main() {
         texcoord = shown.place;
         chart_place = shown.surface.place;
         chart_words = shown.surface.frame;
-    } else if (has_atlas()) {
+    } else {
         uint entry = mesh_chart_entry(mesh, widths, corner / 3u);
-        AtlasChart chart = tile_chart(layer_word(mesh, entry + MESH_CHART_ATLAS));
+        AtlasChart chart = tile_chart(layer_word(mesh, entry + MESH_CHART_WORD));
         bvec2 repeats = bvec2((chart.flags & ATLAS_CHART_REPEAT_U) != 0u, (chart.flags & ATLAS_CHART_REPEAT_V) != 0u);
         texcoord = mesh_place(mesh, entry, vertex, repeats);
         chart_place = uvec3(chart.atlas, floatBitsToUint(chart.finest_mip));

@@ -2,6 +2,7 @@
 #ifndef CITYSTREAM_PAGE_CHART_GLSL
 #define CITYSTREAM_PAGE_CHART_GLSL
 
+#include "codec/chart_word_layout.h"
 #include "shaders/draw_constants.glsl"
 #include "shaders/page_sample.glsl"
 
@@ -21,10 +22,10 @@ PageSurface surface_of(Pages pages, PagedChart chart) {
     return page_surface(pages, chart.flags >> 16, paged_frame(pages, chart));
 }
 
-// Precondition: has_atlas(), and it is in pages.
-PageSurface surface_of_chart(uint index) {
-    Pages pages = pages_of(layer_reference(constants.tile.atlas));
-    return surface_of(pages, paged_chart(pages, index));
+// Precondition: the tile's atlas is in `pages`.
+PageSurface surface_of_word(Pages pages, uint chart_word) {
+    if ((chart_word & CHART_WORD_COLOUR) != 0u) return flat_surface(chart_word & CHART_WORD_COLOUR_MASK);
+    return surface_of(pages, paged_chart(pages, chart_word));
 }
 
 // place in repeats; dx, dy: its change from pixel to pixel.

@@ -13,7 +13,9 @@ struct PageCorner {
 
 PageCorner corner_by_table(Pages pages, uvec2 mesh, uint widths, uint corner, uint vertex) {
     uint entry = mesh_chart_entry(mesh, widths, corner / 3u);
-    PagedChart chart = paged_chart(pages, layer_word(mesh, entry + MESH_CHART_ATLAS));
+    uint chart_word = layer_word(mesh, entry + MESH_CHART_WORD);
+    if ((chart_word & CHART_WORD_COLOUR) != 0u) return PageCorner(surface_of_word(pages, chart_word), vec2(0.0));
+    PagedChart chart = paged_chart(pages, chart_word);
     bvec2 repeats = bvec2((chart.flags & PAGES_CHART_REPEAT_U) != 0u, (chart.flags & PAGES_CHART_REPEAT_V) != 0u);
     return PageCorner(surface_of(pages, chart), mesh_place(mesh, entry, vertex, repeats));
 }

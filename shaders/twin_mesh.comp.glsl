@@ -20,7 +20,7 @@ void main() {
     ivec2 texcoord = mesh_texcoord(mesh, entry, vertex);
     uint words[TWIN_MESH_WORDS] = uint[](vertex, uint(position.x), uint(position.y), uint(position.z), code, uint(normal.x),
                                          uint(normal.y), uint(normal.z), uint(texcoord.x), uint(texcoord.y),
-                                         layer_word(mesh, entry + MESH_CHART_ATLAS), 0u);
+                                         layer_word(mesh, entry + MESH_CHART_WORD), 0u);
     TwinOutput target = twin_output();
     for (uint i = 0u; i < TWIN_MESH_WORDS; ++i) target.word[corner * TWIN_MESH_WORDS + i] = words[i];
 }

@@ -5,6 +5,7 @@
 
 #include "codec/atlas/page_layer.h"
 #include "codec/atlas/wrap_coordinate_layout.h"
+#include "codec/chart_word.h"
 #include "codec/mesh/mesh_layer.h"
 
 namespace citystream::client {
@@ -29,9 +30,10 @@ struct ChartTable {
     uint32_t count() const { return words[PAGES_WORD_CHART_COUNT]; }
     uint32_t pages() const { return words[PAGES_WORD_PAGE_COUNT]; }
     uint32_t border() const { return words[PAGES_WORD_MIPS] >> 8; }
-    ChartWords chart(uint32_t index) const {
+    ChartWords chart(uint32_t chart_word) const {
+        if (codec::names_colour(chart_word)) return {chart_word & CHART_WORD_COLOUR_MASK, 0, PAGES_CHART_FLAT};
         const size_t entry =
-            PAGES_HEADER_WORDS + size_t{PAGES_PAGE_WORDS} * pages() + size_t{PAGES_CHART_WORDS} * index;
+            PAGES_HEADER_WORDS + size_t{PAGES_PAGE_WORDS} * pages() + size_t{PAGES_CHART_WORDS} * chart_word;
         return {words[entry + PAGES_CHART_U], words[entry + PAGES_CHART_V], words[entry + PAGES_CHART_FLAGS]};
     }
 };
@@ -46,7 +48,7 @@ std::vector<ChartRun> make_runs(const MeshLayerView& mesh, const ChartTable& tab
     std::vector<ChartRun> runs;
     uint32_t previous = 0;
     for (uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
-        const uint32_t chart = mesh.atlas_chart(triangle);
+        const uint32_t chart = mesh.chart_word(triangle);
         if (runs.empty() || chart != previous) runs.push_back({0, uniform_words(table.chart(chart))});
         ++runs.back().triangles;
         previous = chart;
@@ -66,7 +68,7 @@ std::vector<uint32_t> make_attributes(const MeshLayerView& mesh, const ChartTabl
     std::vector<uint32_t> words;
     words.reserve(size_t{3} * COORDINATE_FRAME_WORDS * mesh.triangle_count());
     for (uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
-        const auto frame = attribute_frame(table.chart(mesh.atlas_chart(triangle)), table.border());
+        const auto frame = attribute_frame(table.chart(mesh.chart_word(triangle)), table.border());
         for (int corner = 0; corner < 3; ++corner) {
             for (const float value : frame) words.push_back(std::bit_cast<uint32_t>(value));
         }
@@ -87,7 +89,7 @@ std::optional<std::vector<uint32_t>> make_packed(const MeshLayerView& mesh, cons
     std::vector<uint32_t> words;
     words.reserve(size_t{COORDINATE_TRIANGLE_WORDS} * mesh.triangle_count());
     for (uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
-        const ChartWords chart = table.chart(mesh.atlas_chart(triangle));
+        const ChartWords chart = table.chart(mesh.chart_word(triangle));
         int32_t base[2], texcoord[2];
         mesh.texcoord_base(triangle, base);
         words.push_back(chart.flags);

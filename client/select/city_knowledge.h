@@ -47,7 +47,7 @@ struct CityKnowledge {
 
 /// Whether tiles may show shared charts, or charts with alpha.
 inline bool names_charts(const tiles::tileset::Manifest& manifest) {
-    return manifest.shared_chart_count > 0 || manifest.needs_version_5;
+    return manifest.shared_chart_count > 0 || manifest.pages_or_alpha;
 }
 
 /// Whether what shows a chart of the tile can be seen through, as far as is known.

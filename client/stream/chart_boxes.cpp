@@ -4,6 +4,8 @@
 #include <limits>
 #include <unordered_map>
 
+#include "codec/chart_word.h"
+
 namespace citystream::client {
 
 using tiles::tileset::Bounds;
@@ -36,8 +38,9 @@ std::vector<ChartBox> chart_boxes_of(const codec::mesh::MeshLayerView& mesh, con
                                      double margin) {
     std::unordered_map<uint32_t, Bounds> boxes;
     for (uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
-        Bounds& box = boxes.try_emplace(mesh.atlas_chart(triangle), Bounds{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}})
-                          .first->second;
+        const uint32_t chart = mesh.chart_word(triangle);
+        if (codec::names_colour(chart)) continue;
+        Bounds& box = boxes.try_emplace(chart, Bounds{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}}).first->second;
         for (uint32_t i = 0; i < 3; ++i) {
             int32_t grid[3];
             mesh.position(mesh.index(3 * triangle + i), grid);

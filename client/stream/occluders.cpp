@@ -50,7 +50,7 @@ void Occluders::take_large(const codec::mesh::MeshLayerView& mesh, NodeIndex nod
         Triangle t{};
         for (uint32_t corner = 0; corner < 3; ++corner)
             mesh.position(mesh.index(3 * triangle + corner), &t[size_t{3} * corner]);
-        const bool solid = all_solid || !shows_alpha(knowledge_, tile, mesh.atlas_chart(triangle));
+        const bool solid = all_solid || !shows_alpha(knowledge_, tile, mesh.chart_word(triangle));
         if (solid && squared_double_area(t) >= least * least) out.push_back(t);
     }
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "codec/chart_word.h"
 #include "codec/facade/facade_layout.h"
 
 namespace citystream::codec::facade {
@@ -55,9 +56,9 @@ Result<Palette> read_palette(std::span<const uint32_t> words, uint64_t word, uin
     Palette palette{};
     for (PaletteEntry& entry : palette.slots) {
         entry = {words[word], std::bit_cast<float>(words[word + 1])};
-        if (entry.atlas_chart >= atlas_chart_count) {
+        if (!is_chart_word(entry.chart_word, atlas_chart_count)) {
             return error_at(
-                "chart " + std::to_string(entry.atlas_chart) + " of an atlas of " + std::to_string(atlas_chart_count),
+                "chart " + std::to_string(entry.chart_word) + " of an atlas of " + std::to_string(atlas_chart_count),
                 word);
         }
         if (!std::isfinite(entry.metres_per_repeat) || entry.metres_per_repeat < 0) {
@@ -104,7 +105,7 @@ LayerSteps encode_facades(const FacadeTile& tile) {
     words[FACADE_LAYER_WORD_PALETTES] = static_cast<uint32_t>(palettes_begin);
     for (const Palette& palette : tile.palettes) {
         for (const PaletteEntry& entry : palette.slots) {
-            words.insert(words.end(), {entry.atlas_chart, std::bit_cast<uint32_t>(entry.metres_per_repeat)});
+            words.insert(words.end(), {entry.chart_word, std::bit_cast<uint32_t>(entry.metres_per_repeat)});
         }
     }
     for (const Placement& placement : tile.placements) {

@@ -21,7 +21,7 @@ struct Placement {
 };
 
 struct PaletteEntry {
-    uint32_t atlas_chart;
+    uint32_t chart_word;  ///< codec/chart_word.h
     float metres_per_repeat;
     friend bool operator==(const PaletteEntry&, const PaletteEntry&) = default;
 };

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "codec/bits/bit_stream.h"
+#include "codec/chart_word.h"
 #include "codec/mesh/mesh_layout.h"
 #include "codec/mesh/octahedral.h"
 
@@ -104,10 +105,10 @@ Status check_chart_table(std::span<const uint32_t> words, uint32_t atlas_chart_c
         if ((shifts & 255u) > kMaxShift || shifts >> 8 > kMaxShift) {
             return error_at("chart shift out of range", entry + MESH_CHART_SHIFTS);
         }
-        if (words[entry + MESH_CHART_ATLAS] >= atlas_chart_count) {
-            return error_at("chart " + std::to_string(words[entry + MESH_CHART_ATLAS]) + " of an atlas of " +
+        if (!is_chart_word(words[entry + MESH_CHART_WORD], atlas_chart_count)) {
+            return error_at("chart " + std::to_string(words[entry + MESH_CHART_WORD]) + " of an atlas of " +
                                 std::to_string(atlas_chart_count),
-                            entry + MESH_CHART_ATLAS);
+                            entry + MESH_CHART_WORD);
         }
     }
     return Done{};
@@ -203,8 +204,8 @@ uint32_t MeshLayerView::chart_entry(uint32_t triangle) const {
     return words_[MESH_WORD_CHART_TABLE] + chart * MESH_CHART_WORDS;
 }
 
-uint32_t MeshLayerView::atlas_chart(uint32_t triangle) const {
-    return words_[chart_entry(triangle) + MESH_CHART_ATLAS];
+uint32_t MeshLayerView::chart_word(uint32_t triangle) const {
+    return words_[chart_entry(triangle) + MESH_CHART_WORD];
 }
 
 void MeshLayerView::position(uint32_t vertex, int32_t out[3]) const {
@@ -263,7 +264,7 @@ Result<MeshTile> decode_mesh(std::span<const uint32_t> words, std::span<const ui
     tile.indices.resize(3 * size_t{view.triangle_count()});
     tile.triangle_chart.resize(view.triangle_count());
     for (uint32_t t = 0; t < view.triangle_count(); ++t) {
-        tile.triangle_chart[t] = view.atlas_chart(t);
+        tile.triangle_chart[t] = view.chart_word(t);
         for (uint32_t corner = 3 * t; corner < 3 * t + 3; ++corner) {
             tile.indices[corner] = view.index(corner);
             view.texcoord(tile.indices[corner], t, tile.vertices[tile.indices[corner]].texcoord);

@@ -28,7 +28,7 @@ struct MeshVertex {
 struct MeshTile {
     std::vector<MeshVertex> vertices;
     std::vector<uint32_t> indices;         ///< 3 a triangle, counter-clockwise from outside
-    std::vector<uint32_t> triangle_chart;  ///< index into the tile's atlas charts, one a triangle
+    std::vector<uint32_t> triangle_chart;  ///< chart word (codec/chart_word.h), one a triangle
     uint32_t dressed_begin = 0;            ///< in triangles
 };
 
@@ -57,8 +57,8 @@ class MeshLayerView {
     uint32_t dressed_begin() const;
     uint32_t step_count() const;
     /// The accessors' arguments must be below the counts above.
-    uint32_t index(uint32_t corner) const;  ///< corner = 3 * triangle + 0..2
-    uint32_t atlas_chart(uint32_t triangle) const;
+    uint32_t index(uint32_t corner) const;         ///< corner = 3 * triangle + 0..2
+    uint32_t chart_word(uint32_t triangle) const;  ///< codec/chart_word.h
     /// Position (tile-relative grid units) as the shader computes it: the known high bits, rounded.
     void position(uint32_t vertex, int32_t out[3]) const;
     uint32_t packed_normal(uint32_t vertex) const;  ///< 16 bits

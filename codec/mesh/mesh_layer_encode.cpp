@@ -36,7 +36,7 @@ struct ChartCode {
     std::array<int32_t, 2> base = {};
     std::array<uint32_t, 2> shift = {};
     std::array<uint32_t, 2> largest = {};  ///< code
-    uint32_t atlas_chart = 0;
+    uint32_t chart_word = 0;
 };
 
 /// A vertex as it is written: equal codes are one vertex.
@@ -137,7 +137,7 @@ uint32_t quantise(const ChartCode& chart, size_t axis, int32_t texcoord) {
     return std::min(static_cast<uint32_t>((distance + half) >> shift), chart.largest[axis]);
 }
 
-/// One chart table entry for each atlas chart in use, in rising order; `entry_of` maps an atlas chart to its entry.
+/// One chart table entry for each chart word in use, in rising order; `entry_of` maps a chart word to its entry.
 std::vector<ChartCode> make_chart_table(const MeshTile& tile, std::map<uint32_t, uint32_t>& entry_of) {
     struct Range {
         std::array<int32_t, 2> low, high;
@@ -153,11 +153,11 @@ std::vector<ChartCode> make_chart_table(const MeshTile& tile, std::map<uint32_t,
         }
     }
     std::vector<ChartCode> table;
-    for (const auto& [atlas_chart, range] : ranges) {
+    for (const auto& [chart_word, range] : ranges) {
         ChartCode& chart = table.emplace_back();
-        chart.atlas_chart = atlas_chart;
+        chart.chart_word = chart_word;
         for (size_t c = 0; c < 2; ++c) fit_chart_axis(chart, c, range.low[c], range.high[c]);
-        entry_of[atlas_chart] = static_cast<uint32_t>(table.size() - 1);
+        entry_of[chart_word] = static_cast<uint32_t>(table.size() - 1);
     }
     return table;
 }
@@ -223,7 +223,7 @@ void append_position_bits(std::vector<uint32_t>& words, const WeldedMesh& mesh, 
 void append_chart_table(std::vector<uint32_t>& words, const std::vector<ChartCode>& charts) {
     for (const ChartCode& chart : charts) {
         words.insert(words.end(), {static_cast<uint32_t>(chart.base[0]), static_cast<uint32_t>(chart.base[1]),
-                                   chart.shift[0] | chart.shift[1] << 8, chart.atlas_chart});
+                                   chart.shift[0] | chart.shift[1] << 8, chart.chart_word});
     }
 }
 

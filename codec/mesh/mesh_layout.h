@@ -31,7 +31,7 @@
 #define MESH_CHART_BASE_U 0 /* int32, 2^-16 repeats */
 #define MESH_CHART_BASE_V 1
 #define MESH_CHART_SHIFTS 2 /* shift of u | shift of v << 8 */
-#define MESH_CHART_ATLAS 3  /* chart index in the tile's atlas layer */
+#define MESH_CHART_WORD 3   /* codec/chart_word_layout.h */
 #define MESH_CHART_WORDS 4
 
 /* Steps 1..: header of a block of lower bit planes. */

@@ -355,7 +355,7 @@ Triangles triangles_of(const Resident& resident, const PeerMesh& of) {
             view->position(view->index(static_cast<uint32_t>(corner)), p);
             return corner_from({static_cast<uint32_t>(p[0] - low[0]), static_cast<uint32_t>(p[1] - low[1]),
                                 static_cast<uint32_t>(p[2] - low[2])},
-                               view->atlas_chart(static_cast<uint32_t>(corner / 3)));
+                               view->chart_word(static_cast<uint32_t>(corner / 3)));
         });
     }
     return sorted_triangles(resident.indices.size() / 3, [&](size_t corner) {

@@ -262,7 +262,7 @@ TEST_F(AlphaFlight, TheArchiveSaysThatOldReadersCannotTakeIt) {
     const Outcome whole = run({program("citystream-build"), "verify", folder_ / "city.3tz"});
     EXPECT_EQ(whole.exit_code, 0) << whole.output << whole.error;
     ours(camera(14, 3));
-    EXPECT_TRUE(streamer_->manifest().needs_version_5);
+    EXPECT_TRUE(streamer_->manifest().pages_or_alpha);
 }
 
 }  // namespace

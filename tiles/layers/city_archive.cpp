@@ -53,7 +53,7 @@ void count_tiles(const ArchiveContents& contents) {
     for (size_t i = 0; i < contents.tiles.size(); ++i) {
         const tileset::TileRecord& record = contents.tiles[i].record;
         if (contents.tree.nodes[i].leaf) manifest.triangles += contents.tiles[i].triangles;
-        manifest.needs_version_5 |= contents.tiles[i].needs_version_5;
+        manifest.pages_or_alpha |= contents.tiles[i].pages_or_alpha;
         for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
             const auto& steps = record.layers[layer];
             if (steps.empty()) continue;
@@ -66,7 +66,7 @@ void count_tiles(const ArchiveContents& contents) {
 
 void note_alpha(const ArchiveContents& contents) {
     for (const tileset::ChartRecord& chart : contents.charts.records())
-        contents.manifest.needs_version_5 |= (chart.flags & ATLAS_CHART_ALPHA) != 0;
+        contents.manifest.pages_or_alpha |= (chart.flags & ATLAS_CHART_ALPHA) != 0;
 }
 
 Status add_text(archive::ArchiveWriter& writer, const std::string& name, const std::string& text) {

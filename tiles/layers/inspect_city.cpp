@@ -152,7 +152,6 @@ nlohmann::json manifest_json(const tileset::Manifest& m) {
     out["root_side_metres"] = m.side_metres(0);
     out["build_options"] = m.build_options;
     for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
-        if (!m.has_layer[layer]) continue;
         out["layers"][tileset::kLayerNames[layer]] = {{"wire_bytes", m.wire_bytes[layer]},
                                                       {"decoded_bytes", m.decoded_bytes[layer]}};
     }
@@ -177,7 +176,7 @@ Result<nlohmann::json> read_city_info(const std::string& path) {
         if (!charts) return charts.error();
         out["chart_dictionary"] = std::move(charts).value();
     }
-    if (manifest->needs_version_5) {
+    if (manifest->pages_or_alpha) {
         auto pages = page_json(**reader, *manifest);
         if (!pages) return pages.error();
         out["atlas_pages"] = std::move(pages).value();

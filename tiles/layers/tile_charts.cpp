@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "codec/atlas/alpha_mask.h"
+#include "codec/chart_word.h"
 #include "tiles/layers/image_uses.h"
 #include "tiles/layers/texture_law.h"
 
@@ -78,7 +79,6 @@ bool looks_equal(const ChartImage& a, const ChartImage& b) {
 void TileCharts::note(uint32_t object, const BuildObject& built) {
     for (const BuildTriangle& triangle : built.triangles) {
         const Paint& paint = built.paints[triangle.paint];
-        if (paint.kind == PaintKind::kFlat) flat(paint.rgb());
         if (paint.kind == PaintKind::kFacade) {
             blur_ = std::max(blur_, find_facade_picture(paint.a, paint.b, facade_texel_).texel);
         }
@@ -113,7 +113,7 @@ void TileCharts::settle_image(const Paint& paint, const ImagePaint& noted) {
     const city::Material& material = catalog_.materials[paint.a];
     const auto sides = images_.sides(static_cast<uint32_t>(material.image));
     if (!sides) {
-        const uint32_t chart = flat(material.rgb);
+        const uint32_t chart = codec::colour_word(material.rgb);
         for (const auto& [object, range] : noted.objects) image_uses_[{paint, object}] = {chart, {}, {0, 0}};
         return;
     }
@@ -241,7 +241,7 @@ uint32_t TileCharts::add_crop(const ChartImage& image, const Crop& crop, float t
 ChartUse TileCharts::placed_use(uint32_t object, const Paint& paint) const {
     switch (paint.kind) {
         case PaintKind::kFlat:
-            return {flats_.at(paint.a), {}, {1, 1}};
+            return {codec::colour_word(paint.rgb()), {}, {1, 1}};
         case PaintKind::kMaterial:
             return image_uses_.at({paint, object});
         case PaintKind::kFacade:
@@ -253,6 +253,7 @@ ChartUse TileCharts::placed_use(uint32_t object, const Paint& paint) const {
 }
 
 bool TileCharts::is_one_texel(uint32_t chart) const {
+    if (codec::names_colour(chart)) return true;
     const uint32_t own = own_index_[chart];
     return own != kNotOwn && own_[own].width == 1 && own_[own].height == 1;
 }
@@ -291,7 +292,7 @@ uint32_t TileCharts::facade_material(uint32_t material) {
     const city::Material& m = catalog_.materials[material];
     const auto image = static_cast<uint32_t>(m.image);
     const auto sides = m.image < 0 ? std::nullopt : images_.sides(image);
-    if (!sides) return facade_materials_[material] = flat(m.rgb);
+    if (!sides) return facade_materials_[material] = codec::colour_word(m.rgb);
     const double repeat = m.metres_per_repeat > 0 ? static_cast<double>(m.metres_per_repeat) : 1.0;
     const double texel = repeat / std::max((*sides)[0], (*sides)[1]);
     const double finest = shelf_ == nullptr ? kOwnMaterialTexel : kSharedMaterialTexel;
@@ -312,17 +313,10 @@ uint32_t TileCharts::facade_material(uint32_t material) {
     return facade_materials_[material] = add(std::move(chart));
 }
 
-uint32_t TileCharts::flat(const std::array<uint8_t, 3>& rgb) {
-    const uint32_t key = Paint::flat(rgb).a;
-    const auto found = flats_.find(key);
-    if (found != flats_.end()) return found->second;
-    return flats_[key] = add_own({1, 1, false, false, 0, {rgb[0], rgb[1], rgb[2]}});
-}
-
 uint32_t TileCharts::add(ChartImage image, double asked_texel) {
     if (codec::atlas::all_there(image.alpha)) image.alpha = {};
     const auto colour = image.alpha.empty() ? codec::atlas::flat_colour(image.rgb) : std::nullopt;
-    if (colour) return flat(*colour);
+    if (colour) return codec::colour_word(*colour);
     const codec::atlas::ContentHash hash = hash_of(image);
     const auto [begin, end] = by_content_.equal_range(hash);
     for (auto entry = begin; entry != end; ++entry) {

@@ -20,7 +20,7 @@ namespace citystream::tiles::layers {
 
 /// Texture coordinate in chart repeats = (t - offset) * scale, t and offset in 2^-16 repeats of the image.
 struct ChartUse {
-    uint32_t chart = 0;
+    uint32_t chart = 0;  ///< chart word (codec/chart_word.h): what is of one colour has no chart
     std::array<double, 2> offset{}, scale = {1, 1};
 };
 
@@ -49,10 +49,9 @@ class TileCharts {
     /// Of a chart that shows all of a picture.
     ChartUse use_of_whole(uint32_t chart) const;
 
-    /// Charts asked for by facades: made at once, once each.
+    /// Chart words asked for by facades: charts are made at once, once each.
     uint32_t facade_picture(uint32_t map, uint32_t palette, double texel);
     uint32_t facade_material(uint32_t material);
-    uint32_t flat(const std::array<uint8_t, 3>& rgb);
 
     /// As encode_atlas takes them.
     std::span<const ChartImage> own_charts() const { return own_; }
@@ -108,7 +107,7 @@ class TileCharts {
     std::optional<SharedChart> take(const ChartKey& key, double coarseness, uint64_t texels);
     const FacadePicture& find_facade_picture(uint32_t map, uint32_t palette, double texel);
     ChartUse placed_use(uint32_t object, const quadtree::Paint& paint) const;
-    /// Index of a chart that shows this image: a new one, or what there is already where it is of one colour or equal.
+    /// Chart word that shows this image: of a new chart, of an equal one that is there, or its only colour.
     uint32_t add(ChartImage image, double asked_texel = 0);
     uint32_t add_own(ChartImage image, double asked_texel = 0);
     uint32_t add_shared(uint32_t number, double metres_per_texel);
@@ -129,7 +128,7 @@ class TileCharts {
     std::multimap<codec::atlas::ContentHash, uint32_t> by_content_;
     std::map<quadtree::Paint, ImagePaint> noted_;
     std::map<std::pair<quadtree::Paint, uint32_t>, ChartUse> image_uses_;
-    std::map<uint32_t, uint32_t> flats_, facade_materials_, ground_pictures_;
+    std::map<uint32_t, uint32_t> facade_materials_, ground_pictures_;
     std::map<std::array<uint32_t, 2>, FacadePicture> facade_pictures_;
 };
 

@@ -5,6 +5,7 @@
 
 #include "codec/atlas/atlas_layer.h"
 #include "codec/atlas/shared_chart.h"
+#include "codec/chart_word.h"
 #include "codec/facade/facade_layer.h"
 #include "codec/mesh/mesh_layer.h"
 #include "codec/step_wire.h"
@@ -134,7 +135,7 @@ class TileAssembly {
             for (size_t k = 0; k < 2; ++k)
                 places[i][k] = (static_cast<double>(texcoords[i][k]) - use.offset[k]) * use.scale[k] / kOneRepeat;
         }
-        if (in_pages_) fit_page_places(places, charts_.own_charts()[use.chart]);
+        if (in_pages_ && !codec::names_colour(use.chart)) fit_page_places(places, charts_.own_charts()[use.chart]);
         return places;
     }
 
@@ -206,12 +207,12 @@ class TileAssembly {
         facade_tile_.palettes.resize(palettes_.size());
         for (const auto& [palette, use] : palettes_) {
             for (uint32_t slot = 0; slot < FACADE_PALETTE_SLOTS; ++slot) {
-                facade_tile_.palettes[use.index].slots[slot] = {0, 1};
+                facade_tile_.palettes[use.index].slots[slot] = {codec::colour_word({}), 1};
                 if (((use.slots >> slot) & 1U) == 0) continue;
                 const uint32_t material = workshop_.catalog.palettes[palette].material[slot];
                 const city::Material& m = workshop_.catalog.materials[material];
                 facade_tile_.palettes[use.index].slots[slot] = {
-                    wants(Layer::kAtlas) ? charts_.facade_material(material) : 0,
+                    wants(Layer::kAtlas) ? charts_.facade_material(material) : kNoChart.chart,
                     m.metres_per_repeat > 0 ? m.metres_per_repeat : 1.0F};
             }
         }
@@ -235,7 +236,7 @@ class TileAssembly {
         if (!wants(Layer::kAtlas)) return kNoChart;
         if (wants(Layer::kFacade) && kReliefWeight * relief_ >= spec_.parent_error)
             return charts_.use_of_whole(
-                charts_.flat(rounded_colour(workshop_.facades.mean_colour(facade.map, facade.palette))));
+                codec::colour_word(rounded_colour(workshop_.facades.mean_colour(facade.map, facade.palette))));
         return charts_.use_of_whole(charts_.facade_picture(facade.map, facade.palette, picture_texel(facts)));
     }
 
@@ -287,7 +288,8 @@ class TileAssembly {
         if (!facade_tile_.placements.empty()) {
             append_layer(tile, Layer::kFacade, codec::facade::encode_facades(facade_tile_));
         }
-        if (wants(Layer::kAtlas)) append_layer(tile, Layer::kAtlas, encode_atlas(tile));
+        if (!charts_.own_charts().empty() || !charts_.shared_charts().empty())
+            append_layer(tile, Layer::kAtlas, encode_atlas(tile));
     }
 
     bool has_alpha() const {
@@ -315,10 +317,10 @@ class TileAssembly {
 
     /// In pages where those are asked for and hold this tile's charts.
     LayerSteps encode_atlas(EncodedTile& tile) const {
-        tile.needs_version_5 = has_alpha();
+        tile.pages_or_alpha = has_alpha();
         if (in_pages_) {
             auto pages = codec::atlas::encode_pages(charts_.own_charts(), pages_, charts_.asked_texels());
-            tile.needs_version_5 = pages.ok();
+            tile.pages_or_alpha = pages.ok();
             if (pages) return std::move(pages).value();
         }
         tile.kept_in_charts = spec_.pages.has_value();

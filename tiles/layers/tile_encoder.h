@@ -53,9 +53,9 @@ struct TileContent {
 struct EncodedTile {
     tileset::TileRecord record;
     std::array<std::vector<std::byte>, tileset::kLayerCount> bytes;
-    uint64_t triangles = 0;        ///< of the mesh layer
-    bool needs_version_5 = false;  ///< as tileset::Manifest
-    bool kept_in_charts = false;   ///< the atlas, although pages were asked for: they hold no alpha
+    uint64_t triangles = 0;       ///< of the mesh layer
+    bool pages_or_alpha = false;  ///< as tileset::Manifest
+    bool kept_in_charts = false;  ///< the atlas, although pages were asked for: they hold no alpha
 };
 
 /// What a tile would take from the chart dictionary: its layers need nothing of `workshop.charts`.

@@ -306,7 +306,7 @@ class Pipeline {
         }
         built.record = std::move(tile.record);
         built.triangles = tile.triangles;
-        built.needs_version_5 = tile.needs_version_5;
+        built.pages_or_alpha = tile.pages_or_alpha;
         built.kept_in_charts = tile.kept_in_charts;
         return Done{};
     }

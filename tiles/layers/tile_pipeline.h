@@ -17,9 +17,9 @@ struct BuiltTile {
     std::array<quadtree::SpoolRange, tileset::kLayerCount> layers;  ///< in the layer spool
     quadtree::SpoolRange content;                                   ///< of inner tiles, in the content spool
     uint64_t triangles = 0;
-    uint64_t hidden_facades = 0;   ///< of a leaf: made plain walls because neighbours hide them
-    bool needs_version_5 = false;  ///< as tileset::Manifest
-    bool kept_in_charts = false;   ///< as EncodedTile
+    uint64_t hidden_facades = 0;  ///< of a leaf: made plain walls because neighbours hide them
+    bool pages_or_alpha = false;  ///< as tileset::Manifest
+    bool kept_in_charts = false;  ///< as EncodedTile
 };
 
 struct PipelineInput {

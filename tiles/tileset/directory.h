@@ -115,7 +115,7 @@ struct Manifest {
     uint64_t facade_index_bytes = 0;  ///< of the entry facades/index (one zstd frame)
     uint64_t facade_index_decoded_bytes = 0;
     uint64_t facade_index_checksum = 0;
-    bool needs_version_5 = false;     ///< a tile's atlas has a form that older readers refuse: pages, charts with alpha
+    bool pages_or_alpha = false;      ///< a tile's atlas is in pages, or a chart has alpha
     uint64_t shared_chart_count = 0;  ///< 0: no tile names a shared chart, and there are no entries charts/
     uint64_t chart_index_bytes = 0;   ///< of the entry charts/index (one zstd frame)
     uint64_t chart_index_decoded_bytes = 0;

@@ -116,7 +116,8 @@ OrderedJson charts_json(const Manifest& manifest) {
 
 OrderedJson extension_json(const Manifest& manifest) {
     OrderedJson extension;
-    extension["version"] = manifest.needs_version_5 ? kExtensionVersion : kCommonExtensionVersion;
+    extension["version"] = kExtensionVersion;
+    extension["pagesOrAlpha"] = manifest.pages_or_alpha;
     extension["title"] = manifest.title;
     extension["epsg"] = manifest.epsg;
     extension["gridBits"] = kGridBits;
@@ -244,8 +245,9 @@ Result<Manifest> parse_tileset_json(std::span<const std::byte> bytes) {
     const JsonFields root = document.object("root");
     read_tiling(root, manifest);
     const JsonFields extension = document.object("extensions").object(kExtensionName);
-    manifest.needs_version_5 =
-        extension.integer("version", kOldestExtensionVersion, kExtensionVersion) > kCommonExtensionVersion;
+    const int64_t version = extension.integer("version", kOldestExtensionVersion, kExtensionVersion);
+    manifest.pages_or_alpha =
+        version > kPagesOrAlphaVersion ? extension.flag("pagesOrAlpha") : version == kPagesOrAlphaVersion;
     manifest.title = extension.text("title");
     manifest.build_options = extension.text("buildOptions");
     read_space(extension, manifest);

@@ -157,7 +157,7 @@ class FacadePainter {
         const auto uv = at(x, y);
         Vec3 normal = axis == 0 ? scene_.wall.unit_along() : axis == 1 ? Vec3{0, 0, 1} : scene_.wall.outwards();
         for (double& c : normal) c *= hit.normal_sign;
-        const Sampler sampler{*atlas_, entry.atlas_chart};
+        const Sampler sampler{*atlas_, entry.chart_word};
         return {distance,
                 lit(sampler({uv[0] * scale, uv[1] * scale}, {(px[0] - mx[0]) * scale, (px[1] - mx[1]) * scale},
                             {(py[0] - my[0]) * scale, (py[1] - my[1]) * scale}),

@@ -47,7 +47,7 @@ void expect_same_corners(const codec::mesh::MeshLayerView& view, const std::vect
         for (size_t c = 0; c < 3; ++c) ASSERT_EQ(static_cast<int32_t>(words[5 + c]), normal[c]) << "corner " << corner;
         for (size_t c = 0; c < 2; ++c)
             ASSERT_EQ(static_cast<int32_t>(words[8 + c]), texcoord[c]) << "corner " << corner;
-        ASSERT_EQ(words[10], view.atlas_chart(corner / 3));
+        ASSERT_EQ(words[10], view.chart_word(corner / 3));
     }
 }
 

@@ -7,6 +7,8 @@
 
 #include "client/select/selection.h"
 #include "codec/atlas/page_layer.h"
+#include "codec/chart_word.h"
+#include "codec/mesh/mesh_layer.h"
 #include "tests/tiles/layers/city_builds.h"
 
 namespace citystream::client {
@@ -203,9 +205,9 @@ TEST_P(BuiltLevelsOfForm, FromWithinItsBoxALeafIsDrawnInAllItsTexels) {
     EXPECT_EQ(tile->steps_of(Layer::kAtlas), city.record(*tile).steps(Layer::kAtlas).size());
 }
 
-/// Texels that a tile's atlas has in images, and how many colours beside them.
+/// What a tile's atlas has.
 struct AtlasContent {
-    uint64_t texels = 0, colours = 0;
+    uint64_t texels = 0, charts = 0;
 };
 
 AtlasContent content_of(const BuiltCity& city, const TileRecord& record) {
@@ -215,36 +217,33 @@ AtlasContent content_of(const BuiltCity& city, const TileRecord& record) {
         const auto pages = codec::atlas::PageLayerView::create(atlas.words, atlas.step_words).value();
         for (uint32_t page = 0; page < pages.page_count(); ++page)
             content.texels += uint64_t{pages.width(page)} * pages.height(page);
-        for (uint32_t chart = 0; chart < pages.chart_count(); ++chart)
-            content.colours += pages.chart(chart).flat ? 1 : 0;
+        content.charts = pages.chart_count();
         return content;
     }
     const auto charts = codec::atlas::AtlasLayerView::create(atlas.words, atlas.step_words).value();
-    for (uint32_t chart = 0; chart < charts.chart_count(); ++chart) {
-        const uint64_t texels = uint64_t{charts.width(chart)} * charts.height(chart);
-        (texels == 1 ? content.colours : content.texels) += texels;
-    }
+    content.charts = charts.chart_count();
+    for (uint32_t chart = 0; chart < charts.chart_count(); ++chart)
+        content.texels += uint64_t{charts.width(chart)} * charts.height(chart);
     return content;
 }
 
-TEST_P(BuiltLevelsOfForm, AnUntexturedBuildingLoadsItsColourAndNoTexel) {
+TEST_P(BuiltLevelsOfForm, AnUntexturedBuildingLoadsNoAtlas) {
     const TileAddress textured = {kLeafLevel, 0, 0}, plain = {kLeafLevel, 3, 3};
     const BuiltCity city = thesis_city(GetParam(), true);
     const AtlasContent walls = content_of(city, city.city.tiles.at(textured));
     EXPECT_GE(walls.texels, uint64_t{kLeafTexels} * kLeafTexels / 2);
-    const AtlasContent none = content_of(city, city.city.tiles.at(plain));
-    EXPECT_EQ(none.texels, 0U);
-    EXPECT_EQ(none.colours, 1U);
-    const auto& steps = city.city.tiles.at(plain).steps(Layer::kAtlas);
-    ASSERT_EQ(steps.size(), 1U) << "nothing more comes from nearer by";
-    EXPECT_LE(steps[0].end, 100U) << "bytes on the wire";
-    EXPECT_EQ(steps[0].error, 0) << "nothing to refine it for";
-    // Of the tile above them all, what the textured walls show is there, and one colour.
+    EXPECT_TRUE(city.city.tiles.at(plain).steps(Layer::kAtlas).empty());
+    const auto words = layer_words(city.city, city.city.tiles.at(plain), Layer::kMesh);
+    const auto mesh = codec::mesh::MeshLayerView::create(words.words, words.step_words, 0);
+    ASSERT_TRUE(mesh.ok()) << mesh.error().text();
+    ASSERT_GT(mesh->triangle_count(), 0U);
+    EXPECT_TRUE(codec::names_colour(mesh->chart_word(0))) << "its mesh names its colour";
+    // Of the tile above them all, what the textured walls show is there, and nothing beside it.
     const BuiltCity without = thesis_city(GetParam(), false);
     const AtlasContent root = content_of(city, city.city.tiles.at({})),
                        bare = content_of(without, without.city.tiles.at({}));
     EXPECT_EQ(root.texels, bare.texels);
-    EXPECT_EQ(root.colours, bare.colours + 1);
+    EXPECT_EQ(root.charts, bare.charts);
 }
 
 INSTANTIATE_TEST_SUITE_P(Forms, BuiltLevelsOfForm, testing::Values(AtlasForm::kCharts, AtlasForm::kPages),

@@ -73,7 +73,7 @@ TEST(ChartBoxes, OfTheFirstStepHoldTheTrianglesOfTheirChartInEveryStep) {
         for (uint32_t i = 0; i < 3 * mesh->triangle_count(); ++i) {
             int32_t at[3];
             mesh->position(mesh->index(i), at);
-            EXPECT_TRUE(inside(box_of[mesh->atlas_chart(i / 3)], at, corner)) << count << " steps";
+            EXPECT_TRUE(inside(box_of[mesh->chart_word(i / 3)], at, corner)) << count << " steps";
         }
     }
 }

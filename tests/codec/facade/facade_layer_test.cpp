@@ -5,6 +5,7 @@
 #include <bit>
 #include <limits>
 
+#include "codec/chart_word.h"
 #include "tests/codec/damage.h"
 
 namespace citystream::codec::facade {
@@ -56,6 +57,13 @@ TEST(FacadeLayer, RefusesWhatIsNotInDictionaryAtlasOrPalettes) {
     const std::vector<uint32_t> words = words_of(two_walls());
     EXPECT_FALSE(decode_facades(words, 3, 3).ok()) << "map 3 of 3";
     EXPECT_FALSE(decode_facades(words, 4, 2).ok()) << "chart 2 of 2";
+    FacadeTile coloured = two_walls();
+    for (Palette& palette : coloured.palettes) {
+        for (PaletteEntry& entry : palette.slots) entry.chart_word = colour_word({1, 2, 3});
+    }
+    EXPECT_TRUE(decode_facades(words_of(coloured), 4, 0).ok()) << "colours need no chart";
+    coloured.palettes[0].slots[0].chart_word |= 1U << 24;
+    EXPECT_FALSE(decode_facades(words_of(coloured), 4, 3).ok()) << "neither chart nor colour";
     FacadeTile tile = two_walls();
     tile.placements[0].palette = 2;
     EXPECT_FALSE(decode_facades(words_of(tile), 4, 3).ok());

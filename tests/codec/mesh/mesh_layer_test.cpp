@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 
+#include "codec/chart_word.h"
 #include "codec/mesh/mesh_layout.h"
 #include "codec/mesh/octahedral.h"
 #include "tests/codec/damage.h"
@@ -206,7 +207,7 @@ TEST(MeshLayer, WeldsEqualCornersAndKeepsTheOrderOfTriangles) {
     EXPECT_EQ(view->vertex_count(), 3u + 3u + 2u);
     const uint32_t expected[] = {0, 1, 2, 0, 1, 2, 3, 4, 5, 2, 6, 7};
     for (uint32_t i = 0; i < 12; ++i) EXPECT_EQ(view->index(i), expected[i]) << i;
-    EXPECT_EQ(view->atlas_chart(2), 1u);
+    EXPECT_EQ(view->chart_word(2), 1u);
     EXPECT_EQ(view->dressed_begin(), 3u);
 }
 
@@ -269,6 +270,20 @@ TEST(MeshLayer, RefusesEveryTruncationAndWrongStepWords) {
         EXPECT_EQ(MeshLayerView::create(whole.words, step_words, 1).ok(), one_big_step);
     }
     EXPECT_FALSE(MeshLayerView::create(whole.words, whole.step_words, 0).ok()) << "chart 0 of no charts";
+}
+
+TEST(MeshLayer, TrianglesOfOneColourNeedNoChart) {
+    MeshTile tile = one_triangle();
+    tile.triangle_chart = {colour_word({10, 20, 30})};
+    const Prefix layer = prefix_of(encode_mesh(tile, 0), 3);
+    const auto view = MeshLayerView::create(layer.words, layer.step_words, 0);
+    ASSERT_TRUE(view.ok()) << view.error().text();
+    EXPECT_EQ(view->chart_word(0), 0x801e140aU);
+    for (uint32_t bit = 24; bit < 31; ++bit) {
+        tile.triangle_chart = {colour_word({10, 20, 30}) | 1U << bit};
+        const Prefix wrong = prefix_of(encode_mesh(tile, 0), 3);
+        EXPECT_FALSE(MeshLayerView::create(wrong.words, wrong.step_words, UINT32_MAX).ok()) << bit;
+    }
 }
 
 TEST(MeshLayer, NoDamagedWordMakesAnAccessorReadOutside) {

@@ -1,4 +1,4 @@
-// Charts by what they hold: pictures of one colour are one texel, equal pictures are there once.
+// Charts by what they hold: pictures of one colour are that colour, equal pictures are there once.
 #include "tiles/layers/tile_charts.h"
 
 #include <gtest/gtest.h>
@@ -54,15 +54,21 @@ class Charts : public testing::Test {
     std::vector<quadtree::BuildObject> objects_;
 };
 
-TEST_F(Charts, APictureOfOneColourIsOneTexelWithoutCoordinates) {
+TEST_F(Charts, APictureOfOneColourIsThatColourWithoutChartAndCoordinates) {
     show(chequered(90, 90), 4);
-    TileCharts& charts = settle();
-    ASSERT_EQ(charts.own_charts().size(), 1U);
-    EXPECT_EQ(charts.own_charts()[0].width, 1U);
-    EXPECT_EQ(charts.own_charts()[0].height, 1U);
-    EXPECT_EQ(charts.own_charts()[0].rgb, (std::vector<uint8_t>{90, 90, 90}));
+    const TileCharts& charts = settle();
+    EXPECT_TRUE(charts.own_charts().empty());
+    EXPECT_EQ(use(0).chart, 0x805a5a5aU);
     EXPECT_EQ(use(0).scale, (std::array<double, 2>{0, 0}));
-    EXPECT_EQ(charts.flat({90, 90, 90}), 0U) << "the same chart as that of the flat colour";
+}
+
+TEST_F(Charts, APaintOfOneColourNamesIt) {
+    quadtree::BuildObject object;
+    object.paints = {Paint::flat({1, 2, 3})};
+    objects_.push_back(object);
+    EXPECT_TRUE(settle().own_charts().empty());
+    EXPECT_EQ(use(0).chart, 0x80030201U);
+    EXPECT_EQ(use(0).scale, (std::array<double, 2>{0, 0}));
 }
 
 TEST_F(Charts, EqualPicturesOfTwoFilesAreOneChart) {
@@ -115,7 +121,7 @@ TEST_F(ShelvedCharts, WhatTheShelfHasIsNamedAndNotMade) {
     objects_[0].triangles.back().paint = 1;
     OneOfEach shelf;
     const TileCharts charts = settle_with(shelf);
-    ASSERT_EQ(charts.own_charts().size(), 1U) << "the flat colour";
+    EXPECT_TRUE(charts.own_charts().empty());
     ASSERT_EQ(charts.shared_charts().size(), 1U);
     const auto& shared = charts.shared_charts()[0];
     EXPECT_EQ(shared.number, 100U);

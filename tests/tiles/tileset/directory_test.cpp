@@ -70,21 +70,27 @@ TEST(TilesetJson, OlderVersionsAreRead) {
     const Manifest manifest = small_city().manifest;
     for (const char* version : {"2", "3", "4"}) {
         const auto parsed = parse_tileset_json(bytes_of(
-            replaced(write_tileset_json(manifest), "\"version\": 4,", std::string("\"version\": ") + version + ",")));
+            replaced(write_tileset_json(manifest), "\"version\": 6,", std::string("\"version\": ") + version + ",")));
         ASSERT_TRUE(parsed.ok()) << version << ": " << parsed.error().text();
         EXPECT_EQ(*parsed, manifest) << version;
     }
 }
 
-TEST(TilesetJson, OnlyCitiesThatNeedVersionFiveSayIt) {
+TEST(TilesetJson, SaysWhetherThereArePagesOrAlpha) {
     Manifest manifest = small_city().manifest;
-    EXPECT_NE(write_tileset_json(manifest).find("\"version\": 4,"), std::string::npos);
-    manifest.needs_version_5 = true;
+    for (const bool there : {false, true}) {
+        manifest.pages_or_alpha = there;
+        const auto parsed = parse_tileset_json(bytes_of(write_tileset_json(manifest)));
+        ASSERT_TRUE(parsed.ok()) << parsed.error().text();
+        EXPECT_EQ(*parsed, manifest);
+    }
     const std::string json = write_tileset_json(manifest);
-    EXPECT_NE(json.find("\"version\": 5,"), std::string::npos);
-    const auto parsed = parse_tileset_json(bytes_of(json));
-    ASSERT_TRUE(parsed.ok()) << parsed.error().text();
-    EXPECT_EQ(*parsed, manifest);
+    const std::string property = "\"pagesOrAlpha\": true,";
+    EXPECT_FALSE(parse_tileset_json(bytes_of(replaced(json, property, ""))).ok());
+    const auto fifth =
+        parse_tileset_json(bytes_of(replaced(replaced(json, property, ""), "\"version\": 6,", "\"version\": 5,")));
+    ASSERT_TRUE(fifth.ok()) << fifth.error().text();
+    EXPECT_TRUE(fifth->pages_or_alpha) << "what else had version 5";
 }
 
 TEST(TilesetJson, ManifestsComeBackExactly) {
@@ -147,8 +153,8 @@ TEST(TilesetJson, WrongFieldsAreNamed) {
         {"0.125", "2000.0", "extent.min"},
         {"\"epsg\": 25832", "\"epsg\": -1", "epsg"},
         {"CITYSTREAM_layers\": {", "OTHER_layers\": {", "CITYSTREAM_layers"},
-        {"\"version\": 4,", "\"version\": 1,", "CITYSTREAM_layers.version"},
-        {"\"version\": 4,", "\"version\": 6,", "CITYSTREAM_layers.version"},
+        {"\"version\": 6,", "\"version\": 1,", "CITYSTREAM_layers.version"},
+        {"\"version\": 6,", "\"version\": 7,", "CITYSTREAM_layers.version"},
         {"\"indexChecksum\": \"", "\"indexChecksum\": \"x", "indexChecksum"},
         {"tiles/{level}/{x}/{y}.atlas", "../{level}/{x}/{y}.atlas", "atlas.uri"},
         {"\"mapsUri\": \"facades/maps\"", "\"mapsUri\": \"http://a/b\"", "mapsUri"},
