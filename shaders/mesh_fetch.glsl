@@ -4,6 +4,7 @@
 
 #include "codec/mesh/mesh_layout.h"
 #include "shaders/bits.glsl"
+#include "shaders/octahedral.glsl"
 
 uint mesh_index(uvec2 mesh, uint widths, uint corner) {
     uint bits = widths & 255u;
@@ -59,16 +60,6 @@ ivec3 mesh_position(uvec2 mesh, uint widths, uint steps, uint step_begin[DRAW_ME
 
 uint mesh_packed_normal(uvec2 mesh, uint vertex) {
     return layer_word(mesh, layer_word(mesh, MESH_WORD_NORMALS) + (vertex >> 1)) >> (16u * (vertex & 1u)) & 0xffffu;
-}
-
-// On the octahedron |x| + |y| + |z| = 127, not normalised.
-ivec3 unfold_octahedral16(uint code) {
-    const int side = 127;
-    int u = min(int(code & 255u) - side, side);
-    int v = min(int(code >> 8 & 255u) - side, side);
-    int z = side - abs(u) - abs(v);
-    if (z >= 0) return ivec3(u, v, z);
-    return ivec3((u < 0 ? -1 : 1) * (side - abs(v)), (v < 0 ? -1 : 1) * (side - abs(u)), z);
 }
 
 // 2^-16 repeats of the chart's image.

@@ -194,6 +194,35 @@ bool has_fragment_atomics64(VkPhysicalDevice physical) {
            features.features.fragmentStoresAndAtomics == VK_TRUE;
 }
 
+bool has_extension(VkPhysicalDevice physical, const char* name) {
+    uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> extensions(count);
+    vkEnumerateDeviceExtensionProperties(physical, nullptr, &count, extensions.data());
+    for (const VkExtensionProperties& extension : extensions) {
+        if (std::strcmp(extension.extensionName, name) == 0) return true;
+    }
+    return false;
+}
+
+// Only where pipelines can ask for full subgroups: their lanes are then the workgroup's in order.
+uint32_t shuffle_lanes(VkPhysicalDevice physical) {
+    if (!has_extension(physical, VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME)) return 0;
+    auto control = vk_struct<VkPhysicalDeviceSubgroupSizeControlFeatures>(
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES);
+    VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, &control, {}};
+    vkGetPhysicalDeviceFeatures2(physical, &features);
+    if (control.computeFullSubgroups == VK_FALSE) return 0;
+    auto subgroup =
+        vk_struct<VkPhysicalDeviceSubgroupProperties>(VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES);
+    VkPhysicalDeviceProperties2 properties{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, &subgroup, {}};
+    vkGetPhysicalDeviceProperties2(physical, &properties);
+    constexpr VkSubgroupFeatureFlags kWanted = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_RELATIVE_BIT;
+    const bool can = (subgroup.supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0 &&
+                     (subgroup.supportedOperations & kWanted) == kWanted;
+    return can ? subgroup.subgroupSize : 0;
+}
+
 bool is_cpu(VkPhysicalDevice physical) {
     VkPhysicalDeviceProperties properties{};
     vkGetPhysicalDeviceProperties(physical, &properties);
@@ -232,7 +261,17 @@ Device create_device(VkPhysicalDevice physical) {
         features12.shaderBufferInt64Atomics = VK_TRUE;
         features.features.shaderInt64 = features.features.fragmentStoresAndAtomics = VK_TRUE;
     }
+    auto control = vk_struct<VkPhysicalDeviceSubgroupSizeControlFeatures>(
+        VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES);
+    control.computeFullSubgroups = VK_TRUE;
+    const char* extension = VK_EXT_SUBGROUP_SIZE_CONTROL_EXTENSION_NAME;
+    device.shuffle_lanes = shuffle_lanes(physical);
     auto info = vk_struct<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, &features);
+    if (device.shuffle_lanes != 0) {
+        features12.pNext = &control;
+        info.enabledExtensionCount = 1;
+        info.ppEnabledExtensionNames = &extension;
+    }
     info.queueCreateInfoCount = 1;
     info.pQueueCreateInfos = &queue;
     vk_check(vkCreateDevice(physical, &info, nullptr, &device.handle), "vkCreateDevice");

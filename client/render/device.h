@@ -57,8 +57,9 @@ struct Device {
     bool is_cpu = false;                  ///< a software driver
     bool has_fragment_atomics64 = false;  ///< on buffers
     bool has_bc_textures = false;         ///< images of BC1 blocks
-    double timestamp_nanoseconds = 0;     ///< of one tick; 0: the queue has no timestamps
-    std::string name;                     ///< with driver name and version
+    uint32_t shuffle_lanes = 0;  ///< of a subgroup of compute shaders that can shuffle; 0: not, or not always full
+    double timestamp_nanoseconds = 0;  ///< of one tick; 0: the queue has no timestamps
+    std::string name;                  ///< with driver name and version
 };
 
 /// Why a physical device cannot be used by this renderer; empty when it can (Vulkan 1.2, buffer device address,

@@ -108,11 +108,13 @@ Pass create_facade_resolve_pass(const Device& device, VkRenderPass render_pass) 
                                sizeof(FacadeTableHead));
 }
 
-Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes) {
+Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes,
+                         const VkSpecializationInfo* constants, bool full_subgroups) {
     Pass pass;
     VkShaderModule module = create_shader_module(device, code);
     auto info = vk_struct<VkComputePipelineCreateInfo>(VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO);
-    info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module);
+    info.stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module, constants);
+    if (full_subgroups) info.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
     VkResult result = VK_SUCCESS;
     try {
         pass.layout = create_layout(device, VK_SHADER_STAGE_COMPUTE_BIT, constant_bytes);

@@ -44,8 +44,10 @@ Pass create_facade_occluder_pass(const Device& device, VkRenderPass pass, const 
 Pass create_facade_resolve_pass(const Device& device, VkRenderPass pass);
 constexpr uint32_t kFacadeIndices = 18, kOccluderIndices = 6;
 std::span<const uint16_t> facade_indices();
-/// A compute pipeline with `constant_bytes` of push constants.
-Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes);
+/// A compute pipeline with `constant_bytes` of push constants. `full_subgroups`: the device's shuffle_lanes is not 0
+/// and divides the workgroup.
+Pass create_compute_pass(const Device& device, std::span<const uint32_t> code, uint32_t constant_bytes,
+                         const VkSpecializationInfo* constants = nullptr, bool full_subgroups = false);
 void destroy_pass(const Device& device, Pass& pass);
 
 }  // namespace citystream::client

@@ -12,24 +12,44 @@ namespace citystream::client {
 #define TWIN_GROUP 64
 #define TWIN_MESH_WORDS \
     12 /* a corner: index, position xyz, packed normal, unfolded normal xyz, texcoord uv, atlas chart, unused */
+#define TWIN_PRECISION_WORDS 8 /* a vertex: its words xyz, bit level, shown position xyz, unused */
+#define TWIN_PRECISION_INPUT_WORDS                                                                               \
+    9 /* origin of the grid xyz, the same from the camera's cell, common dropped bits, distance a unit, reading; \
+         texture coordinates: base uv, unused, shifts uv */
 #define TWIN_RAY_WORDS 6 /* origin, direction (float bits) */
 #define TWIN_WRAP_INPUT_WORDS \
     6 /* packed coordinate uv, border | u clamps << 8 | v clamps << 9, a place uv and a level (float bits) */
-#define TWIN_WRAP_WORDS 8 /* float bits: frame, packed place uv, texel uv of the place of the input */
-#define TWIN_HIT_WORDS 4  /* hit, t (float bits), label, axis | sign > 0 << 8 */
+#define TWIN_WRAP_WORDS 8         /* float bits: frame, packed place uv, texel uv of the place of the input */
+#define TWIN_NORMAL_INPUT_WORDS 5 /* code u, v; direction xyz (float bits) */
+#define TWIN_NORMAL_WORDS                                                                                         \
+    16 /* unfolded xyz, unit vector xyz (float bits), unfolded hemisphere xyz; codes of the direction: octahedron \
+          rounded u, v and nearest u, v, hemisphere u, v; unused */
+#define TWIN_HIT_WORDS 4 /* hit, t (float bits), label, axis | sign > 0 << 8 */
 
 struct TwinConstants {
     uint layer[2]; /* reference as in TileConstants */
     uint input_words[2];
     uint output_words[2];
     uint count;  /* corners, texels, places or rays */
-    uint first;  /* mesh: resident steps; atlas: chart */
+    uint first;  /* mesh: resident steps; atlas: chart; precision: components; normals: bits a parameter */
     uint second; /* atlas: mip */
     uint mesh_step_begin[DRAW_MESH_STEPS - 1];
 };
 
+/* Of twin_precision_view, which draws a precision buffer with Blinn-Phong shading: pictures to compare levels by. */
+struct TwinViewConstants {
+    FrameConstants frame;
+    uint buffer_words[2]; /* reference as in TileConstants: three components */
+    uint normals[2];      /* address of three floats a vertex */
+    int from_camera[3];   /* grid units from the camera's grid cell to the origin of the buffer's grid */
+    uint common_dropped;
+    uint distance_per_unit;
+    uint reading;
+    float shininess;
+};
+
 #ifdef __cplusplus
-static_assert(sizeof(TwinConstants) == 48);
+static_assert(sizeof(TwinConstants) == 48 && sizeof(TwinViewConstants) == 100);
 }  // namespace citystream::client
 #endif
 

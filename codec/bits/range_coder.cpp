@@ -71,12 +71,17 @@ void RangeEncoder::narrow(uint32_t start, uint32_t size) {
     }
 }
 
-uint32_t RangeEncoder::bit(BitModel& model, uint32_t value) {
-    const auto ones = static_cast<uint32_t>(uint64_t{range_} * model.probability_of_one() >> 16);
+uint32_t RangeEncoder::likely_bit(uint32_t probability_of_one, uint32_t value) {
+    const auto ones = static_cast<uint32_t>(uint64_t{range_} * probability_of_one >> 16);
     if (value != 0)
         narrow(0, ones);
     else
         narrow(ones, range_ - ones);
+    return value;
+}
+
+uint32_t RangeEncoder::bit(BitModel& model, uint32_t value) {
+    likely_bit(model.probability_of_one(), value);
     model.learn(value);
     return value;
 }
@@ -93,6 +98,10 @@ uint32_t RangeEncoder::plain_bits(uint32_t bits, uint32_t value) {
     const uint32_t high_bits = bits > 16 ? bits - 16 : 0, low_bits = bits - high_bits;
     const uint32_t high = uniform(1u << high_bits, value >> 16 & ((1u << high_bits) - 1));
     return high << 16 | uniform(1u << low_bits, value & ((1u << low_bits) - 1));
+}
+
+double RangeEncoder::cost() const {
+    return 8 * static_cast<double>(bytes_.size()) + 32 - std::log2(range_);
 }
 
 std::vector<std::byte> RangeEncoder::finish() {
@@ -132,16 +141,22 @@ void RangeDecoder::narrow(uint32_t start, uint32_t size) {
     }
 }
 
-uint32_t RangeDecoder::bit(BitModel& model, uint32_t /*ignored*/) {
+uint32_t RangeDecoder::likely_bit(uint32_t probability_of_one, uint32_t /*ignored*/) {
     if (failed_) return 0;
-    const auto ones = static_cast<uint32_t>(uint64_t{range_} * model.probability_of_one() >> 16);
+    const auto ones = static_cast<uint32_t>(uint64_t{range_} * probability_of_one >> 16);
     const uint32_t value = code_ < ones ? 1 : 0;
     if (value != 0)
         narrow(0, ones);
     else
         narrow(ones, range_ - ones);
-    model.learn(value);
     return failed_ ? 0 : value;
+}
+
+uint32_t RangeDecoder::bit(BitModel& model, uint32_t /*ignored*/) {
+    if (failed_) return 0;
+    const uint32_t value = likely_bit(model.probability_of_one());
+    model.learn(value);
+    return value;
 }
 
 uint32_t RangeDecoder::uniform(uint32_t count, uint32_t /*ignored*/) {

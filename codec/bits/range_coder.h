@@ -46,10 +46,14 @@ class RangeEncoder {
     static constexpr bool kDecodes = false;
     /// Codes bit 0 or 1 and lets the model learn it.
     uint32_t bit(BitModel& model, uint32_t value);
+    /// Codes bit 0 or 1, which is 1 with a probability of 1..65535 in 65536.
+    uint32_t likely_bit(uint32_t probability_of_one, uint32_t value);
     /// A number of 0..count - 1, all equally likely; count 1..2^16.
     uint32_t uniform(uint32_t count, uint32_t value);
     /// The low `bits` (0..32) of value, equally likely.
     uint32_t plain_bits(uint32_t bits, uint32_t value);
+    /// What all that was coded so far costs, in bits.
+    double cost() const;
     /// The bytes; the encoder starts anew.
     std::vector<std::byte> finish();
 
@@ -66,6 +70,7 @@ class RangeDecoder {
     /// Borrows the bytes.
     explicit RangeDecoder(std::span<const std::byte> bytes);
     uint32_t bit(BitModel& model, uint32_t ignored = 0);
+    uint32_t likely_bit(uint32_t probability_of_one, uint32_t ignored = 0);
     uint32_t uniform(uint32_t count, uint32_t ignored = 0);
     uint32_t plain_bits(uint32_t bits, uint32_t ignored = 0);
     /// False once the bytes have run out: all numbers read since may be wrong.

@@ -296,11 +296,15 @@ PeerMesh make_peer_mesh(const MeshTile& tile) {
             span.high[c] = std::max(span.high[c], mesh.tile.vertices[index].texcoord[c]);
         }
     }
+    for (const auto& [chart, span] : spans) mesh.chart_names.push_back(chart);
+    const auto number_of = [&names = mesh.chart_names](uint32_t chart) {
+        return static_cast<uint16_t>(std::lower_bound(names.begin(), names.end(), chart) - names.begin());
+    };
     for (size_t v = 0; v < mesh.tile.vertices.size(); ++v) {
         const auto& from = mesh.tile.vertices[v];
         PeerVertex vertex{};
         RawVertex raw{};
-        vertex.chart = static_cast<uint16_t>(chart_of[v]);
+        vertex.chart = number_of(chart_of[v]);
         raw.chart = chart_of[v];
         vertex.normal = static_cast<uint16_t>(codec::mesh::pack_octahedral16(from.normal));
         for (size_t c = 0; c < 3; ++c) {
@@ -361,7 +365,7 @@ Triangles triangles_of(const Resident& resident, const PeerMesh& of) {
     return sorted_triangles(resident.indices.size() / 3, [&](size_t corner) {
         const uint32_t index = resident.indices[corner];
         if (!resident.vertices.empty())
-            return corner_from(resident.vertices[index].position, resident.vertices[index].chart);
+            return corner_from(resident.vertices[index].position, of.chart_names.at(resident.vertices[index].chart));
         std::array<uint32_t, 3> position{};
         for (size_t c = 0; c < 3; ++c)
             position[c] = static_cast<uint32_t>(std::lround(resident.raw[index].position[c] * 1024));

@@ -19,7 +19,7 @@ struct PeerVertex {
     std::array<uint32_t, 3> position;  ///< grid units from the mesh's minimum corner
     std::array<uint16_t, 2> texcoord;  ///< code within the chart's span
     uint16_t normal;                   ///< octahedral, 8 + 8 bits
-    uint16_t chart;
+    uint16_t chart;                    ///< in PeerMesh::chart_names
 };
 static_assert(sizeof(PeerVertex) == 20);
 
@@ -37,6 +37,7 @@ struct PeerMesh {
     std::vector<PeerVertex> vertices;
     std::vector<RawVertex> raw;
     std::vector<uint32_t> indices;
+    std::vector<uint32_t> chart_names;  ///< charts of the tile, ascending: their numbers may take more than 16 bits
     uint32_t charts = 0;
 };
 PeerMesh make_peer_mesh(const codec::mesh::MeshTile& tile);

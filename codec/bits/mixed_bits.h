@@ -1,0 +1,94 @@
+// Bits and numbers whose probability is mixed from several contexts (logistic mixing).
+//
+// A MixedBits holds, for each of its contexts, a table of BitModels. Each decision is looked up under every context at
+// once; what the models say is stretched (ln(p / (1 - p))), weighted, summed and squashed back, and the weights move
+// towards the models that were right. So a context that says nothing costs next to nothing, and several that each say
+// something are worth more than the best of them: contexts may be added without thinning the statistics.
+//
+// Writing and reading are one template over the coder, as in range_coder.h. All arithmetic is on integers (the tables
+// are made at compile time), so bytes do not depend on the machine.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <initializer_list>
+#include <span>
+#include <vector>
+
+#include "codec/bits/range_coder.h"
+
+namespace citystream::codec::bits {
+
+/// Bits of one kind: `nodes` different decisions, each under the same contexts.
+class MixedBits {
+  public:
+    static constexpr uint32_t kMostContexts = 12;
+    /// Context i takes the values 0..context_counts[i] - 1. Memory: 12 bytes for each value and node.
+    /// There are `sets` sets of weights to choose from.
+    MixedBits(std::initializer_list<uint32_t> context_counts, uint32_t nodes, uint32_t sets = 1);
+
+    /// Chooses the contexts of the bits that follow: one value each, below its count (a greater one is taken as the
+    /// last), and a set of weights.
+    void set_contexts(std::initializer_list<uint32_t> values, uint32_t set = 0);
+    /// Codes bit 0 or 1 of a node (0..nodes - 1).
+    template <typename Coder>
+    uint32_t code(Coder& coder, uint32_t node, uint32_t value = 0);
+    uint32_t nodes() const { return nodes_; }
+
+  private:
+    uint32_t mix(uint32_t node);
+    void learn(uint32_t node, uint32_t bit);
+
+    uint32_t contexts_, nodes_, sets_, set_ = 0;
+    std::vector<uint32_t> counts_, starts_;  // of the tables in models_, in values
+    std::vector<BitModel> models_;
+    std::vector<uint16_t> seen_;    // bits mixed by each row of weights, up to a limit
+    std::vector<int32_t> weights_;  // in 2^-16, one for each set, node and context
+    uint32_t at_[kMostContexts] = {};
+    int32_t stretched_[kMostContexts] = {};
+    uint32_t mixed_ = 0;  // what the last mix() gave, in 2^-16
+};
+
+template <typename Coder>
+uint32_t MixedBits::code(Coder& coder, uint32_t node, uint32_t value) {
+    const uint32_t bit = coder.likely_bit(mix(node), value);
+    learn(node, bit);
+    return bit;
+}
+
+/// Numbers by the Elias gamma code of value + 1, as NumberModel, under mixed contexts.
+class MixedNumbers {
+  public:
+    explicit MixedNumbers(std::initializer_list<uint32_t> context_counts, uint32_t sets = 1)
+        : bits_(context_counts, kNodes, sets) {}
+    void set_contexts(std::initializer_list<uint32_t> values, uint32_t set = 0) { bits_.set_contexts(values, set); }
+    template <typename Coder>
+    uint32_t code(Coder& coder, uint32_t value = 0);
+
+  private:
+    static constexpr uint32_t kMostLength = 33;
+    /// Below the leading one kModelledBits bits are modelled by what is above them, the rest are taken as equally
+    /// likely.
+    static constexpr uint32_t kModelledBits = 2, kMantissaNodes = (1 << kModelledBits) - 1;
+    static constexpr uint32_t kAlike = 20, kNodes = kMostLength + kAlike * kMantissaNodes;
+    MixedBits bits_;
+};
+
+template <typename Coder>
+uint32_t MixedNumbers::code(Coder& coder, uint32_t value) {
+    const uint64_t number = uint64_t{value} + 1;
+    uint32_t length = 1;
+    while (length < kMostLength && bits_.code(coder, length - 1, number >> length != 0 ? 1 : 0) != 0) ++length;
+    const uint32_t first = kMostLength + (std::min(length, kAlike) - 1) * kMantissaNodes - 1;
+    uint64_t result = 1;
+    uint32_t rest = length - 1;
+    for (uint32_t i = 0; i < kModelledBits && rest > 0; ++i) {
+        --rest;
+        const uint32_t node = first + static_cast<uint32_t>(result);
+        result = 2 * result + bits_.code(coder, node, static_cast<uint32_t>(number >> rest & 1));
+    }
+    result = result << rest | coder.plain_bits(rest, static_cast<uint32_t>(number));
+    return static_cast<uint32_t>(result - 1);
+}
+
+}  // namespace citystream::codec::bits

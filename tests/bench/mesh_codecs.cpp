@@ -1,0 +1,268 @@
+#include "tests/bench/mesh_codecs.h"
+
+#include <draco/compression/decode.h>
+#include <draco/compression/expert_encode.h>
+#include <draco/mesh/mesh.h>
+#include <meshoptimizer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "codec/bits/zstd_frame.h"
+#include "codec/mesh/geometry_wire.h"
+#include "codec/mesh/strip_code.h"
+
+namespace citystream::bench {
+
+using codec::mesh::GridMesh;
+using codec::mesh::GridPoint;
+
+namespace {
+
+template <typename T>
+CodedMesh::Part frame_of(const std::string& name, const std::vector<T>& values) {
+    const auto bytes = std::as_bytes(std::span<const T>(values));
+    return {name, codec::bits::compress_frame(bytes), static_cast<uint32_t>(bytes.size())};
+}
+
+template <typename T>
+bool decode_array(const CodedMesh::Part& part, std::vector<T>& out) {
+    const auto bytes = codec::bits::decompress_frame(part.bytes, part.decoded_bytes);
+    if (!bytes) return false;
+    out.resize(bytes->size() / sizeof(T));
+    std::memcpy(out.data(), bytes->data(), out.size() * sizeof(T));
+    return true;
+}
+
+/// Arrays as a renderer without a codec of its own keeps them: positions of 16 bits where they fit, short indices where
+/// they do.
+uint64_t plain_bytes(const GridMesh& mesh, uint32_t bits) {
+    const uint64_t position = bits <= 16 ? 6 : 12, index = mesh.points.size() <= 65536 ? 2 : 4;
+    return mesh.points.size() * position + mesh.triangles.size() * 3 * index;
+}
+
+// Ours. Resident: strips that the GPU decodes, positions packed to the bit.
+
+CodedMesh encode_ours(const QuantisedMesh& source, uint32_t bits) {
+    CodedMesh coded;
+    coded.bits = bits;
+    const uint32_t dropped = 0;
+    auto steps = codec::mesh::encode_geometry(source.mesh, {&dropped, 1});
+    coded.parts.push_back({"geometry", std::move(steps.steps[0]), 0});
+    const double rest = 8.0 * static_cast<double>(coded.wire_bytes()) - steps.prism_bits - steps.position_bits;
+    coded.bits_of = {{"prisms", steps.prism_bits}, {"positions", steps.position_bits}, {"topology", rest}};
+    return coded;
+}
+
+bool decode_ours(const CodedMesh& coded, GridMesh& out) {
+    const std::span<const std::byte> step = coded.parts[0].bytes;
+    auto mesh = codec::mesh::decode_geometry({&step, 1});
+    if (mesh) out = std::move(*mesh);
+    return mesh.ok();
+}
+
+uint64_t strip_bytes(const GridMesh& mesh, uint32_t bits) {
+    const auto strips = codec::mesh::encode_strips(mesh.triangles, static_cast<uint32_t>(mesh.points.size()));
+    if (!strips) return plain_bytes(mesh, bits);
+    return 4 * (strips->words.size() + (3 * bits * mesh.points.size() + 31) / 32);
+}
+
+// Draco at its highest compression level (-cl 10: speed 0), quantised to the same integers.
+
+CodedMesh encode_draco(const QuantisedMesh& source, uint32_t bits) {
+    draco::Mesh mesh;
+    mesh.set_num_points(static_cast<uint32_t>(source.mesh.points.size()));
+    mesh.SetNumFaces(source.mesh.triangles.size());
+    for (uint32_t f = 0; f < mesh.num_faces(); ++f) {
+        draco::Mesh::Face face;
+        for (size_t c = 0; c < 3; ++c) face[c] = draco::PointIndex(source.mesh.triangles[f][c]);
+        mesh.SetFace(draco::FaceIndex(f), face);
+    }
+    draco::GeometryAttribute attribute;
+    attribute.Init(draco::GeometryAttribute::POSITION, nullptr, 3, draco::DT_FLOAT32, false, 3 * sizeof(float), 0);
+    const int id = mesh.AddAttribute(attribute, true, mesh.num_points());
+    for (uint32_t v = 0; v < mesh.num_points(); ++v) {
+        std::array<float, 3> place{};
+        for (size_t c = 0; c < 3; ++c) place[c] = static_cast<float>(source.mesh.points[v][c]);
+        mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(v), place.data());
+    }
+    const std::array<float, 3> zero = {};
+    draco::ExpertEncoder encoder(mesh);
+    encoder.SetSpeedOptions(0, 0);
+    encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+    // A range of 2^bits - 1 makes the quantisation step exactly one unit.
+    encoder.SetAttributeExplicitQuantization(0, static_cast<int>(bits), 3, zero.data(),
+                                             static_cast<float>((1 << bits) - 1));
+    draco::EncoderBuffer buffer;
+    CodedMesh coded;
+    coded.bits = bits;
+    if (!encoder.EncodeToBuffer(&buffer).ok()) return coded;
+    const auto bytes = std::as_bytes(std::span(buffer.data(), buffer.size()));
+    coded.parts.push_back({"mesh", {bytes.begin(), bytes.end()}, 0});
+    return coded;
+}
+
+bool decode_draco(const CodedMesh& coded, GridMesh& out) {
+    if (coded.parts.empty()) return false;
+    draco::DecoderBuffer buffer;
+    buffer.Init(reinterpret_cast<const char*>(coded.parts[0].bytes.data()), coded.parts[0].bytes.size());
+    draco::Decoder decoder;
+    const auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+    if (!decoded.ok() || decoded.value()->num_attributes() != 1) return false;
+    const draco::Mesh& mesh = *decoded.value();
+    for (uint32_t v = 0; v < mesh.num_points(); ++v) {
+        std::array<float, 3> place{};
+        mesh.attribute(0)->GetMappedValue(draco::PointIndex(v), place.data());
+        GridPoint point{};
+        for (size_t c = 0; c < 3; ++c) point[c] = static_cast<int32_t>(std::lround(place[c]));
+        out.points.push_back(point);
+    }
+    for (uint32_t f = 0; f < mesh.num_faces(); ++f) {
+        const auto& face = mesh.face(draco::FaceIndex(f));
+        out.triangles.push_back({face[0].value(), face[1].value(), face[2].value()});
+    }
+    return true;
+}
+
+// meshoptimizer: vertices and indices in the order that it compresses best, each in a zstd frame.
+
+/// Vertices must be a multiple of 4 bytes: 16-bit coordinates with one to spare, or 32-bit ones.
+template <typename Coordinate, size_t kCount>
+std::vector<std::array<Coordinate, kCount>> rows_of(const std::vector<GridPoint>& points) {
+    std::vector<std::array<Coordinate, kCount>> rows(points.size());
+    for (size_t v = 0; v < points.size(); ++v) {
+        for (size_t c = 0; c < 3; ++c) rows[v][c] = static_cast<Coordinate>(points[v][c]);
+    }
+    return rows;
+}
+
+template <typename Row>
+std::vector<unsigned char> encode_rows(const std::vector<Row>& rows, std::vector<uint32_t>& indices) {
+    std::vector<Row> fetched(rows.size());
+    const size_t used = meshopt_optimizeVertexFetch(fetched.data(), indices.data(), indices.size(), rows.data(),
+                                                    rows.size(), sizeof(Row));
+    std::vector<unsigned char> coded(meshopt_encodeVertexBufferBound(used, sizeof(Row)));
+    coded.resize(meshopt_encodeVertexBuffer(coded.data(), coded.size(), fetched.data(), used, sizeof(Row)));
+    return coded;
+}
+
+CodedMesh encode_meshopt(const QuantisedMesh& source, uint32_t bits) {
+    const size_t count = source.mesh.points.size();
+    std::vector<uint32_t> given, indices;
+    for (const auto& t : source.mesh.triangles) given.insert(given.end(), t.begin(), t.end());
+    indices.resize(given.size());
+    meshopt_optimizeVertexCacheStrip(indices.data(), given.data(), given.size(), count);
+    const auto vertices = bits <= 16 ? encode_rows(rows_of<uint16_t, 4>(source.mesh.points), indices)
+                                     : encode_rows(rows_of<uint32_t, 3>(source.mesh.points), indices);
+    std::vector<unsigned char> coded(meshopt_encodeIndexBufferBound(indices.size(), count));
+    coded.resize(meshopt_encodeIndexBuffer(coded.data(), coded.size(), indices.data(), indices.size()));
+    CodedMesh result;
+    result.parts = {frame_of("positions", vertices), frame_of("topology", coded)};
+    result.points = static_cast<uint32_t>(count);
+    result.indices = static_cast<uint32_t>(indices.size());
+    result.bits = bits;
+    return result;
+}
+
+template <typename Row>
+bool decode_rows(const std::vector<unsigned char>& coded, std::vector<GridPoint>& points) {
+    std::vector<Row> rows(points.size());
+    if (meshopt_decodeVertexBuffer(rows.data(), rows.size(), sizeof(Row), coded.data(), coded.size()) != 0)
+        return false;
+    for (size_t v = 0; v < rows.size(); ++v) {
+        for (size_t c = 0; c < 3; ++c) points[v][c] = static_cast<int32_t>(rows[v][c]);
+    }
+    return true;
+}
+
+bool decode_meshopt(const CodedMesh& coded, GridMesh& out) {
+    std::vector<unsigned char> vertices, topology;
+    if (!decode_array(coded.parts[0], vertices) || !decode_array(coded.parts[1], topology)) return false;
+    out.points.resize(coded.points);
+    out.triangles.resize(coded.indices / 3);
+    const bool right = coded.bits <= 16 ? decode_rows<std::array<uint16_t, 4>>(vertices, out.points)
+                                        : decode_rows<std::array<uint32_t, 3>>(vertices, out.points);
+    return right && meshopt_decodeIndexBuffer(out.triangles.data(), coded.indices, sizeof(uint32_t), topology.data(),
+                                              topology.size()) == 0;
+}
+
+// Plain arrays, as a .glb has them.
+
+CodedMesh encode_raw(const QuantisedMesh& source, uint32_t bits) {
+    std::vector<std::array<float, 3>> places;
+    for (const GridPoint& p : source.mesh.points) {
+        std::array<float, 3> place{};
+        for (size_t c = 0; c < 3; ++c) place[c] = static_cast<float>(p[c] * source.step);
+        places.push_back(place);
+    }
+    CodedMesh coded;
+    coded.bits = bits;
+    coded.step = source.step;
+    coded.parts.push_back(frame_of("positions", places));
+    if (places.size() <= 65536) {
+        std::vector<std::array<uint16_t, 3>> shorts;
+        for (const auto& t : source.mesh.triangles)
+            shorts.push_back({static_cast<uint16_t>(t[0]), static_cast<uint16_t>(t[1]), static_cast<uint16_t>(t[2])});
+        coded.parts.push_back(frame_of("topology", shorts));
+    } else {
+        coded.parts.push_back(frame_of("topology", source.mesh.triangles));
+    }
+    return coded;
+}
+
+bool decode_raw(const CodedMesh& coded, GridMesh& out) {
+    std::vector<std::array<float, 3>> places;
+    if (!decode_array(coded.parts[0], places)) return false;
+    for (const auto& place : places) {
+        GridPoint point{};
+        for (size_t c = 0; c < 3; ++c) point[c] = static_cast<int32_t>(std::lround(place[c] / coded.step));
+        out.points.push_back(point);
+    }
+    if (places.size() > 65536) return decode_array(coded.parts[1], out.triangles);
+    std::vector<std::array<uint16_t, 3>> shorts;
+    if (!decode_array(coded.parts[1], shorts)) return false;
+    for (const auto& t : shorts) out.triangles.push_back({t[0], t[1], t[2]});
+    return true;
+}
+
+std::vector<std::array<GridPoint, 3>> sorted_triangles(const GridMesh& mesh) {
+    std::vector<std::array<GridPoint, 3>> triangles;
+    for (const auto& t : mesh.triangles) {
+        for (const uint32_t v : t) {
+            if (v >= mesh.points.size()) return {};
+        }
+        std::array<GridPoint, 3> corners = {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
+        // The smallest of the three turns: corners may be equal.
+        auto least = corners;
+        for (int turn = 0; turn < 2; ++turn) {
+            std::rotate(corners.begin(), corners.begin() + 1, corners.end());
+            least = std::min(least, corners);
+        }
+        triangles.push_back(least);
+    }
+    std::sort(triangles.begin(), triangles.end());
+    return triangles;
+}
+
+}  // namespace
+
+uint64_t CodedMesh::wire_bytes() const {
+    uint64_t sum = 0;
+    for (const Part& part : parts) sum += part.bytes.size();
+    return sum;
+}
+
+std::vector<MeshCodec> mesh_codecs() {
+    const auto raw_bytes = [](const GridMesh& mesh, uint32_t) { return plain_bytes(mesh, 32); };
+    return {{"default", encode_ours, decode_ours, strip_bytes},
+            {"draco", encode_draco, decode_draco, plain_bytes},
+            {"meshopt", encode_meshopt, decode_meshopt, plain_bytes},
+            {"raw", encode_raw, decode_raw, raw_bytes}};
+}
+
+bool same_triangles(const GridMesh& a, const GridMesh& b) {
+    return a.triangles.size() == b.triangles.size() && sorted_triangles(a) == sorted_triangles(b);
+}
+
+}  // namespace citystream::bench

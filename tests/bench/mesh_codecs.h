@@ -1,0 +1,43 @@
+// The codecs that bench_mesh compares on whole files: ours, Draco, meshoptimizer and plain arrays, all given the same
+// welded triangles on the same grid.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/bench/mesh_files.h"
+
+namespace citystream::bench {
+
+/// A coded mesh: one byte string for each thing that travels on its own.
+struct CodedMesh {
+    struct Part {
+        std::string name;
+        std::vector<std::byte> bytes;
+        uint32_t decoded_bytes = 0;  ///< of a zstd frame
+    };
+    std::vector<Part> parts;
+    uint32_t points = 0, indices = 0, bits = 0;
+    double step = 1;                                        ///< of the grid
+    std::vector<std::pair<std::string, double>> bits_of{};  ///< what is known of where the bits go
+    uint64_t wire_bytes() const;
+};
+
+struct MeshCodec {
+    std::string name;
+    std::function<CodedMesh(const QuantisedMesh&, uint32_t bits)> encode;
+    std::function<bool(const CodedMesh&, codec::mesh::GridMesh&)> decode;  ///< false: the bytes were refused
+    /// What a renderer keeps of the decoded mesh.
+    std::function<uint64_t(const codec::mesh::GridMesh&, uint32_t bits)> resident_bytes;
+};
+
+/// default, draco, meshopt, raw.
+std::vector<MeshCodec> mesh_codecs();
+
+/// Equal as multisets of oriented triangles with their positions.
+bool same_triangles(const codec::mesh::GridMesh& a, const codec::mesh::GridMesh& b);
+
+}  // namespace citystream::bench

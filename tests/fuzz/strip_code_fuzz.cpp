@@ -1,0 +1,32 @@
+// Any words as a strip code: both decoders agree, all corners exist, and what was decoded can be coded again.
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#include "codec/mesh/strip_code.h"
+#include "codec/mesh/strip_layout.h"
+#include "tests/codec/mesh/topology_meshes.h"
+#include "tests/fuzz/layer_words.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+    using namespace citystream::codec::mesh;
+    constexpr uint32_t kMostVertices = 1u << 16;  // what an encoder makes room for, not what a decoder does
+    const auto words = citystream::words_of({data, size});
+    const auto triangles = decode_strips(words);
+    if (triangles.ok() != check_strip_code(words).ok()) std::abort();
+    if (!triangles) return 0;
+    const uint32_t vertices = words[STRIP_WORD_VERTICES];
+    for (const auto& corners : *triangles) {
+        if (corners[0] >= vertices || corners[1] >= vertices || corners[2] >= vertices) std::abort();
+    }
+    if (*decode_strips_staged(words) != *triangles) std::abort();
+    if (vertices > kMostVertices) return 0;
+    const auto code = encode_strips(*triangles, vertices);
+    auto again = *decode_strips(code->words);
+    for (auto& corners : again) {
+        for (uint32_t& vertex : corners) vertex = code->vertices[vertex];
+    }
+    const bool exact = code->words[STRIP_WORD_MODE] % 2 == STRIP_MODE_RESTARTS;
+    if (canonical(again, exact) != canonical(*triangles, exact)) std::abort();
+    return 0;
+}
