@@ -24,7 +24,7 @@ constexpr std::array<uint16_t, 2 * kMostStretch + 1> make_squash() {
     std::array<uint16_t, 2 * kMostStretch + 1> table{};
     for (int32_t i = -kMostStretch; i <= kMostStretch; ++i) {
         const double p = 65536 / (1 + exponential(-static_cast<double>(i) / kStretchUnit)) + 0.5;
-        table[static_cast<size_t>(i + kMostStretch)] = static_cast<uint16_t>(p < 1 ? 1 : p > 65535 ? 65535 : p);
+        table[static_cast<uint32_t>(i + kMostStretch)] = static_cast<uint16_t>(p < 1 ? 1 : p > 65535 ? 65535 : p);
     }
     return table;
 }
@@ -37,7 +37,7 @@ constexpr std::array<int16_t, 1u << kCoarseBits> make_stretch(uint32_t scale) {
     int32_t at = -kMostStretch;
     for (uint32_t i = 0; i < table.size(); ++i) {
         const uint32_t p = i * scale + scale / 2;
-        while (at < kMostStretch && kSquash[static_cast<size_t>(at + kMostStretch)] < p) ++at;
+        while (at < kMostStretch && kSquash[static_cast<uint32_t>(at + kMostStretch)] < p) ++at;
         table[i] = static_cast<int16_t>(at);
     }
     return table;
@@ -51,7 +51,7 @@ int32_t stretch(uint32_t p) {
 }
 
 uint32_t squash(int32_t x) {
-    return kSquash[static_cast<size_t>(std::clamp(x, -kMostStretch, kMostStretch) + kMostStretch)];
+    return kSquash[static_cast<uint32_t>(std::clamp(x, -kMostStretch, kMostStretch) + kMostStretch)];
 }
 
 constexpr int32_t kOneWeight = 1 << 16, kMostWeight = 8 * kOneWeight;

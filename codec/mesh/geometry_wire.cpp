@@ -31,7 +31,7 @@ Status read_piece(bits::RangeDecoder& decoder, SurfaceWalk& walk) {
 
 Status read_surface(bits::RangeDecoder& decoder, SurfaceWalk& walk) {
     while (walk.code_more(decoder)) {
-        const Status piece = read_piece(decoder, walk);
+        Status piece = read_piece(decoder, walk);
         if (!piece) return piece;
     }
     while (walk.code_more(decoder)) {
@@ -45,7 +45,7 @@ Status read_refinement(std::span<const std::byte> bytes, uint32_t bits, const Su
                        std::vector<GridPoint>& points, std::vector<Prism>& prisms) {
     bits::RangeDecoder decoder(bytes);
     if (!prisms.empty()) {
-        const Status planes = decode_prism_planes(decoder, prisms, bits);
+        Status planes = decode_prism_planes(decoder, prisms, bits);
         if (!planes) return planes;
     }
     PointRefinement refinement(bits);

@@ -131,7 +131,7 @@ class Checker {
         for (uint32_t g = 0; g < groups_; ++g) {
             if (g % LOCAL_STRIPS_BLOCK_GROUPS == 0 && !block_is_right(g / LOCAL_STRIPS_BLOCK_GROUPS))
                 return wrong("block of local strips begins elsewhere", end_);
-            const Status group = check_group(g);
+            Status group = check_group(g);
             if (!group) return group;
         }
         if (end_ != words_.size()) return wrong("words after local strips", end_);

@@ -53,7 +53,7 @@ PointCoder::PointCoder(const GridPoint& extent)
 
 int32_t PointCoder::inside(uint32_t axis, double value) const {
     if (!(value > 0)) return 0;
-    return value < extent_[axis] ? static_cast<int32_t>(value + 0.5) : extent_[axis];
+    return value < extent_[axis] ? static_cast<int32_t>(std::floor(value + 0.5)) : extent_[axis];
 }
 
 GridPoint PointCoder::parallelogram(const GatePlaces& g) const {
