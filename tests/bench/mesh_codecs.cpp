@@ -12,6 +12,7 @@
 #include "codec/bits/zstd_frame.h"
 #include "codec/mesh/geometry_wire.h"
 #include "codec/mesh/strip_code.h"
+#include "tests/codec/mesh/triangles_by_place.h"
 
 namespace citystream::bench {
 
@@ -226,25 +227,6 @@ bool decode_raw(const CodedMesh& coded, GridMesh& out) {
     return true;
 }
 
-std::vector<std::array<GridPoint, 3>> sorted_triangles(const GridMesh& mesh) {
-    std::vector<std::array<GridPoint, 3>> triangles;
-    for (const auto& t : mesh.triangles) {
-        for (const uint32_t v : t) {
-            if (v >= mesh.points.size()) return {};
-        }
-        std::array<GridPoint, 3> corners = {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
-        // The smallest of the three turns: corners may be equal.
-        auto least = corners;
-        for (int turn = 0; turn < 2; ++turn) {
-            std::rotate(corners.begin(), corners.begin() + 1, corners.end());
-            least = std::min(least, corners);
-        }
-        triangles.push_back(least);
-    }
-    std::sort(triangles.begin(), triangles.end());
-    return triangles;
-}
-
 }  // namespace
 
 uint64_t CodedMesh::wire_bytes() const {
@@ -262,7 +244,7 @@ std::vector<MeshCodec> mesh_codecs() {
 }
 
 bool same_triangles(const GridMesh& a, const GridMesh& b) {
-    return a.triangles.size() == b.triangles.size() && sorted_triangles(a) == sorted_triangles(b);
+    return a.triangles.size() == b.triangles.size() && triangles_by_place(a) == triangles_by_place(b);
 }
 
 }  // namespace citystream::bench

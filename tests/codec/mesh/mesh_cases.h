@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "codec/mesh/grid_mesh.h"
+#include "tests/codec/mesh/triangles_by_place.h"
 
 namespace citystream::codec::mesh {
 
@@ -16,22 +17,6 @@ struct MeshCase {
     std::string name;
     GridMesh mesh;
 };
-
-/// All triangles by their places, each turned to its least form, sorted: equal for equal meshes.
-inline std::vector<std::array<GridPoint, 3>> triangles_by_place(const GridMesh& mesh) {
-    std::vector<std::array<GridPoint, 3>> triangles;
-    for (const auto& t : mesh.triangles) {
-        std::array<GridPoint, 3> corners = {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
-        auto least = corners;
-        for (int turn = 0; turn < 2; ++turn) {
-            std::rotate(corners.begin(), corners.begin() + 1, corners.end());
-            least = std::min(least, corners);
-        }
-        triangles.push_back(least);
-    }
-    std::sort(triangles.begin(), triangles.end());
-    return triangles;
-}
 
 /// A sphere of 20 * 4^level triangles.
 inline GridMesh sphere_mesh(uint32_t level, double radius) {
