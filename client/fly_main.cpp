@@ -23,6 +23,7 @@
 #include "client/render/video_writer.h"
 #include "client/render/vulkan_renderer.h"
 #include "client/select/relief_arguments.h"
+#include "client/select/selection.h"
 #include "client/stream/byte_count.h"
 #include "client/stream/city_streamer.h"
 #include "client/stream/fetcher.h"
@@ -42,17 +43,17 @@ extern "C" void request_stop(int) {
 
 struct FlyOptions {
     std::string place, path, frames_folder, video, stats,
-        size = "1280x720", gpu_budget = "512MiB", host_budget = "1GiB", mode = "offline", network, device, reference,
-        facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)}, map_level = "auto", occlusion = "on",
-        chart_transport{chart_transport_name(ChartTransport::kTable)};
+        size = "1280x720", gpu_budget = "512MiB", index_arena = "64MiB", host_budget = "1GiB", mode = "offline",
+        network, device, reference, facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)}, map_level = "auto",
+        occlusion = "on", chart_transport{chart_transport_name(ChartTransport::kTable)};
     double tolerance = 1, fps = 10;
-    std::optional<double> relief_tolerance, texel_tolerance;
+    std::optional<double> relief_tolerance, texel_tolerance, position_tolerance;
     std::string facade_tint = "0";
     uint32_t supersample = 1, facade_samples = kFacadeSamples;
     bool list_devices = false, validation = false, json = false;
     // Parsed:
     uint32_t width = 0, height = 0;
-    uint64_t gpu_bytes = 0, host_bytes = 0;
+    uint64_t gpu_bytes = 0, index_arena_bytes = 0, host_bytes = 0;
     std::optional<NetworkShape> shape;
     FacadeRenderer renderer = FacadeRenderer::kPatch;
     ChartTransport transport = ChartTransport::kTable;
@@ -83,6 +84,9 @@ Status parse_values(FlyOptions& options) {
     options.height = size->height;
     const auto gpu = parse_byte_count(options.gpu_budget);
     if (!gpu) return Error{"--gpu-budget: " + gpu.error().text()};
+    const auto arena = parse_byte_count(options.index_arena);
+    if (!arena) return Error{"--index-arena: " + arena.error().text()};
+    options.index_arena_bytes = *arena;
     const auto host = parse_byte_count(options.host_budget);
     if (!host) return Error{"--host-budget: " + host.error().text()};
     options.gpu_bytes = *gpu;
@@ -274,6 +278,7 @@ FlightDescription describe(const FlyOptions& options, const std::string& device)
     description.tolerance_pixels = options.tolerance;
     description.relief_tolerance_pixels = options.relief_tolerance.value_or(options.tolerance);
     description.texel_tolerance_pixels = options.texel_tolerance.value_or(options.tolerance);
+    description.position_tolerance_pixels = options.position_tolerance.value_or(kPositionShare * options.tolerance);
     description.map_level = options.map_level;
     description.facade_renderer = options.facade_renderer;
     description.facade_samples = options.facade_samples;
@@ -338,6 +343,7 @@ RendererOptions renderer_options(const FlyOptions& options) {
     renderer.width = options.width;
     renderer.height = options.height;
     renderer.gpu_budget_bytes = options.gpu_bytes;
+    renderer.index_arena_bytes = options.index_arena_bytes;
     renderer.device = options.device;
     renderer.supersample = options.supersample;
     renderer.validation = options.validation;
@@ -352,6 +358,7 @@ StreamerOptions streamer_options(const FlyOptions& options) {
     StreamerOptions streamer;
     streamer.tolerance_pixels = options.tolerance;
     streamer.texel_tolerance_pixels = options.texel_tolerance;
+    streamer.position_tolerance_pixels = options.position_tolerance;
     streamer.host_budget_bytes = options.host_bytes;
     streamer.wait_for_selection = options.mode == "offline";
     streamer.relief = options.relief;
@@ -470,6 +477,10 @@ void add_quality_options(CLI::App& app, FlyOptions& options) {
                    "largest size of a texel in pixels, of pictures that are not shown as fine as they are (default: "
                    "--tolerance)")
         ->check(command_line::number_from(0.01, 1e6));
+    app.add_option("--position-tolerance", options.position_tolerance,
+                   "pixels that a vertex may be off its place, for want of low bits of its position (default: a "
+                   "thirty-second of --tolerance)")
+        ->check(command_line::number_from(0.01, 1000.0));
     app.add_option("--occlusion", options.occlusion,
                    "on: what near surfaces hide is neither fetched nor drawn (offline mode)")
         ->capture_default_str()
@@ -507,6 +518,11 @@ void add_drawing_options(CLI::App& app, FlyOptions& options) {
 /// What the machine has for it.
 void add_machine_options(CLI::App& app, FlyOptions& options) {
     app.add_option("--gpu-budget", options.gpu_budget, "most GPU memory for tiles")->capture_default_str();
+    app.add_option(
+           "--index-arena", options.index_arena,
+           "GPU memory beside the budget for decoded strip code (archives of --mesh-topology strip-code); a frame "
+           "that needs more is drawn in rounds")
+        ->capture_default_str();
     app.add_option("--host-budget", options.host_budget, "most host memory for tiles")->capture_default_str();
     app.add_option("--device", options.device, "part of a device's name, or its index");
     app.add_flag("--list-devices", options.list_devices, "list the devices and exit");

@@ -29,9 +29,9 @@ struct Arguments {
     SweepOptions sweep;
     std::string path_file, folder, size = "1280x720";
     std::vector<double> tolerances;  ///< kUsualTolerances when no knob is given
-    std::vector<double> gpu_budgets_mib, relief_tolerances, texel_tolerances;
-    std::vector<uint32_t> rate_distortions;
-    std::vector<std::string> saliencies, build;
+    std::vector<double> gpu_budgets_mib, relief_tolerances, texel_tolerances, position_tolerances;
+    std::vector<uint32_t> rate_distortions, normal_bits;
+    std::vector<std::string> saliencies, mesh_transports, mesh_topologies, precisions, mesh_steps, build;
     std::vector<std::string> map_levels, facade_renderers, facade_samples, also;
     std::string map_level = "auto", facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)};
     std::optional<double> relief_tolerance;
@@ -81,11 +81,17 @@ Result<std::vector<Setting>> settings_of(const Arguments& arguments) {
     add_numbers("gpu-budget", arguments.gpu_budgets_mib);
     add_numbers("relief-tolerance", arguments.relief_tolerances);
     add_numbers("texel-tolerance", arguments.texel_tolerances);
+    add_numbers("position-tolerance", arguments.position_tolerances);
     add_names("map-level", arguments.map_levels);
     add_names("facade-renderer", arguments.facade_renderers);
     add_names("facade-samples", arguments.facade_samples);
     add_names("saliency", arguments.saliencies);
     add_numbers("rate-distortion", {arguments.rate_distortions.begin(), arguments.rate_distortions.end()});
+    add_names("mesh-transport", arguments.mesh_transports);
+    add_numbers("normal-bits", {arguments.normal_bits.begin(), arguments.normal_bits.end()});
+    add_names("mesh-topology", arguments.mesh_topologies);
+    add_names("precision", arguments.precisions);
+    add_names("mesh-steps", arguments.mesh_steps);
     if (!arguments.also.empty()) settings.push_back({"archive", 0, "as given", arguments.sweep.city});
     for (const std::string& text : arguments.also) {
         auto archive = parse_archive(text);
@@ -101,15 +107,17 @@ Result<std::vector<Setting>> settings_of(const Arguments& arguments) {
 }
 
 /// Settings that are built need to know how, and to be ones that the builder takes.
-Status check_build(const Arguments& arguments) {
+Status check_build(const Arguments& arguments, const std::vector<Setting>& settings) {
     for (const std::string& text : arguments.saliencies) {
         if (const auto metric = codec::atlas::parse_metric(text); !metric)
             return Error{"--saliencies " + text + ": " + metric.error().text()};
     }
-    if ((arguments.saliencies.empty() && arguments.rate_distortions.empty()) || !arguments.build.empty()) return Done{};
+    const bool builds =
+        std::any_of(settings.begin(), settings.end(), [](const Setting& setting) { return is_built(setting.knob); });
+    if (!builds || !arguments.build.empty()) return Done{};
     return Error{
-        "--saliencies and --rate-distortions build the city: say how behind --, as citystream-build is called but "
-        "without -o"};
+        "--saliencies, --rate-distortions and the knobs of meshes build the city: say how behind --, as "
+        "citystream-build is called but without -o"};
 }
 
 /// Fills the sweep's values that are texts on the command line. Error: wrong usage, one line.
@@ -117,7 +125,7 @@ Result<std::vector<Setting>> interpret(Arguments& arguments) {
     SweepOptions& sweep = arguments.sweep;
     auto settings = settings_of(arguments);
     if (!settings) return settings;
-    if (Status good = check_build(arguments); !good) return good.error();
+    if (Status good = check_build(arguments, *settings); !good) return good.error();
     const auto relief = parse_relief_options(arguments.map_level, arguments.relief_tolerance);
     if (!relief) return relief.error();
     sweep.relief = *relief;
@@ -180,6 +188,30 @@ void add_flight_options(CLI::App& app, Arguments& arguments) {
     app.add_flag("--json", arguments.json, "Print report.json instead of the page's name");
 }
 
+/// The city is built for each; citystream-build says which of their values it does not take.
+void add_mesh_knobs(CLI::App& app, Arguments& arguments) {
+    app.add_option("--mesh-transports", arguments.mesh_transports,
+                   "How meshes travel, as --mesh-transport of citystream-build: default,draco")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"default", "draco"}));
+    app.add_option("--normal-bits", arguments.normal_bits, "Bits of normals, as --normal-bits of citystream-build")
+        ->delimiter(',')
+        ->check(command_line::number_from(8, 32));
+    app.add_option("--mesh-topologies", arguments.mesh_topologies,
+                   "How triangles lie in GPU memory, as --mesh-topology of citystream-build: "
+                   "indices,local-strips,strip-code")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"indices", "local-strips", "strip-code"}));
+    app.add_option("--precisions", arguments.precisions,
+                   "Bits of positions, as --precision of citystream-build: ap,cap")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"ap", "cap"}));
+    app.add_option("--mesh-steps", arguments.mesh_steps,
+                   "Steps of positions, as --mesh-steps of citystream-build: auto,1,2,3,4")
+        ->delimiter(',')
+        ->check(command_line::word_or("auto", command_line::number_from(1, 4)));
+}
+
 /// Knobs: every value of a list is a setting.
 void add_knobs(CLI::App& app, Arguments& arguments) {
     app.add_option("--tolerances", arguments.tolerances,
@@ -195,6 +227,10 @@ void add_knobs(CLI::App& app, Arguments& arguments) {
     app.add_option("--texel-tolerances", arguments.texel_tolerances, "Largest sizes of texels in pixels")
         ->delimiter(',')
         ->check(command_line::number_from(0.01, 1000.0));
+    app.add_option("--position-tolerances", arguments.position_tolerances,
+                   "Pixels that a vertex may be off its place, for want of low bits of its position")
+        ->delimiter(',')
+        ->check(command_line::number_from(0.01, 1000.0));
     app.add_option("--saliencies", arguments.saliencies,
                    "How much images may lose to become smaller, as --saliency of citystream-build: none,ssim:0.99; the "
                    "city is built for each")
@@ -204,6 +240,7 @@ void add_knobs(CLI::App& app, Arguments& arguments) {
                    "is built for each")
         ->delimiter(',')
         ->check(command_line::number_from(0, 1 << 20));
+    add_mesh_knobs(app, arguments);
     app.add_option("--map-levels", arguments.map_levels, "Levels of all facade maps: auto, 0 (the coarsest) to 3")
         ->delimiter(',')
         ->check(CLI::IsMember(map_level_names()));
@@ -229,6 +266,9 @@ void add_resting_values(CLI::App& app, Arguments& arguments) {
         ->check(command_line::number_from(0.01, 1000.0));
     app.add_option("--texel-tolerance", arguments.sweep.texel_tolerance_pixels,
                    "Texel tolerance of the other knobs' settings (default: their tolerance)")
+        ->check(command_line::number_from(0.01, 1000.0));
+    app.add_option("--position-tolerance", arguments.sweep.position_tolerance_pixels,
+                   "Position tolerance of the other knobs' settings (default: a thirty-second of their tolerance)")
         ->check(command_line::number_from(0.01, 1000.0));
     app.add_option("--map-level", arguments.map_level, "Map level of the other knobs' settings")
         ->check(CLI::IsMember(map_level_names()))
@@ -257,8 +297,8 @@ constexpr const char* kAbout =
     "0,4,16 "
     "-o report -- generate --buildings 1000 --textures 100";
 constexpr const char* kBehindTheMark =
-    "Behind --: what citystream-build makes the city of (inputs and options without -o), for --saliencies and "
-    "--rate-distortions.";
+    "Behind --: what citystream-build makes the city of (inputs and options without -o), for --saliencies, "
+    "--rate-distortions and the knobs of meshes.";
 
 }  // namespace
 

@@ -1,6 +1,6 @@
-// A step between its decoded words and the frame that travels: one zstd frame, of the words themselves or, where that
-// is smaller, of a packed form of them that the frame's content names (mesh/FORMAT.md and atlas/FORMAT.md, "On the
-// wire").
+// A step of an atlas or of facades between its decoded words and the frame that travels: one zstd frame, of the words
+// themselves or, where that is smaller, of a packed form of them that the frame's content names (atlas/FORMAT.md, "On
+// the wire"). Meshes have a wire form of their own (mesh/mesh_layer.h).
 #pragma once
 
 #include <cstddef>
@@ -15,9 +15,6 @@ namespace citystream::codec {
 
 /// The frames of a layer's steps. Deterministic for one zstd version.
 std::vector<std::vector<std::byte>> encode_steps(const LayerSteps& steps, int level = 19);
-
-/// The frame of step 0 of a layer.
-std::vector<std::byte> encode_step(std::span<const uint32_t> words, int level = 19);
 
 /// The step's words. `decoded_bytes` is what the directory says of them: content of that size is the words, content of
 /// another size has to be a packed form that unpacks to it. Allocates no more than a fixed multiple of it.

@@ -4,9 +4,6 @@
 
 #include "client/render/lighting_layout.h"
 
-// Colour of tiles whose atlas is not there.
-const vec3 kUntexturedColour = vec3(0.7);
-
 vec4 lit(vec3 texel, vec3 normal) {
     float sun = max(0.0, dot(normal, vec3(LIGHT_SUN_X, LIGHT_SUN_Y, LIGHT_SUN_Z)));
     return vec4(clamp(texel * (LIGHT_AMBIENT + LIGHT_SUN * sun), 0.0, 1.0), 1.0);

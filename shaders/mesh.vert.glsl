@@ -5,7 +5,7 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 
 #include "shaders/facade_tint.glsl"
-#include "shaders/mesh_fetch.glsl"
+#include "shaders/mesh_corner.glsl"
 #include "shaders/page_corner.glsl"
 #include "shaders/tile_chart.glsl"
 
@@ -15,33 +15,53 @@ layout(location = 2) flat out uvec3 chart_place;  // of the triangle's chart: la
 layout(location = 3) flat out uvec4 chart_words;  // the rest of it
 layout(location = 4) out float tint;              // place in the palette
 
+MeshCorner shown_corner(uvec2 mesh, uint range, uint corner, ivec3 origin) {
+    TileConstants tile = constants.tile;
+    if (kMeshForm == MESH_FORM_ANY || (kMeshForm & 255u) != uint(RESIDENT_KIND_STRIP_CODE)) return mesh_corner(mesh, range, corner, origin, tile.distance_per_unit, tile.least_dropped);
+    uint vertex = WordArray(uvec2(tile.corners[0], tile.corners[1])).word[corner];
+    return mesh_corner_of_vertex(mesh, range, corner, vertex, origin, tile.distance_per_unit, tile.least_dropped);
+}
+
+void show_chart(AtlasChart chart) {
+    chart_place = uvec3(chart.atlas, floatBitsToUint(chart.finest_mip));
+    chart_words = uvec4(chart.index, chart.size, chart.flags, chart.mip_table);
+}
+
+void show_colour(uint colour) {
+    if (kPages) {
+        PageSurface surface = flat_surface(colour);
+        chart_place = surface.place;
+        chart_words = surface.frame;
+    } else {
+        show_chart(flat_chart(colour));
+    }
+}
+
 void main() {
     uvec2 mesh = layer_reference(constants.tile.mesh);
-    uint widths = layer_word(mesh, MESH_WORD_WIDTHS);
+    uint range = uint(gl_InstanceIndex);
     uint corner = uint(gl_VertexIndex);
-    uint vertex = mesh_index(mesh, widths, corner);
-
-    ivec3 position = mesh_position(mesh, widths, constants.tile.mesh_steps, constants.tile.mesh_step_begin, vertex);
     ivec3 origin = tile_origin();
-    vec3 metres = camera_relative_metres(origin + position);
+    MeshCorner shown = shown_corner(mesh, range, corner, origin);
+    vec3 metres = camera_relative_metres(origin + shown.position);
     gl_Position = project(metres);
     tint = kFacadeTint > 0.0 ? tint_place(metres) : 0.0;
-    normal = normalize(vec3(unfold_octahedral16(mesh_packed_normal(mesh, vertex))));
+    normal = normalize(vec3(shown.normal));
 
     texcoord = vec2(0.0);
     chart_place = uvec3(0u);
     chart_words = uvec4(0u);
-    if (kPages) {
-        PageCorner shown = page_corner(mesh, widths, corner, vertex);
-        texcoord = shown.place;
-        chart_place = shown.surface.place;
-        chart_words = shown.surface.frame;
+    if (mesh_form_is_flat()) {
+        show_colour(layer_word(mesh, shown.chart_entry + RESIDENT_CHART_WORD) & CHART_WORD_COLOUR_MASK);
+    } else if (kPages) {
+        PageCorner paged = page_corner(mesh, range, corner, shown);
+        texcoord = paged.place;
+        chart_place = paged.surface.place;
+        chart_words = paged.surface.frame;
     } else {
-        uint entry = mesh_chart_entry(mesh, widths, corner / 3u);
-        AtlasChart chart = tile_chart(layer_word(mesh, entry + MESH_CHART_WORD));
+        AtlasChart chart = tile_chart(layer_word(mesh, shown.chart_entry + RESIDENT_CHART_WORD));
         bvec2 repeats = bvec2((chart.flags & ATLAS_CHART_REPEAT_U) != 0u, (chart.flags & ATLAS_CHART_REPEAT_V) != 0u);
-        texcoord = mesh_place(mesh, entry, vertex, repeats);
-        chart_place = uvec3(chart.atlas, floatBitsToUint(chart.finest_mip));
-        chart_words = uvec4(chart.index, chart.size, chart.flags, chart.mip_table);
+        texcoord = mesh_place(mesh, shown.chart_entry, shown.texcoord, repeats);
+        show_chart(chart);
     }
 }

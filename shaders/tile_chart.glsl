@@ -5,14 +5,13 @@
 #include "codec/chart_word_layout.h"
 #include "shaders/atlas_sample.glsl"
 #include "shaders/draw_constants.glsl"
-#include "shaders/lighting.glsl"
 
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer SharedChartTable { SharedChartEntry entry[]; };
 
 // By its chart word. Of one colour where the tile has no atlas.
 AtlasChart tile_chart(uint chart_word) {
     if ((chart_word & CHART_WORD_COLOUR) != 0u) return flat_chart(chart_word & CHART_WORD_COLOUR_MASK);
-    if (!has_atlas()) return flat_chart(packUnorm4x8(vec4(kUntexturedColour, 0.0)));
+    if (!has_atlas()) return flat_chart(CHART_WORD_UNTEXTURED & CHART_WORD_COLOUR_MASK);
     uint index = chart_word;
     AtlasChart chart = atlas_chart(layer_reference(constants.tile.atlas), index, constants.tile.atlas_finest_mip);
     if ((chart.flags & ATLAS_CHART_SHARED) == 0u) return chart;

@@ -50,6 +50,10 @@ struct Arguments {
     std::string atlas_form = "charts";
     std::optional<std::string> shared_charts;  ///< not given: what goes with the form
     uint32_t merge_tolerance_mm = 0, rate_distortion = layers::BuildOptions().rate_distortion;
+    std::string mesh_transport{layers::kMeshTransportNames[0]}, mesh_topology{layers::kMeshTopologyNames[0]},
+        precision{layers::kPositionPrecisionNames[0]};
+    uint32_t normal_bits = layers::MeshForm().normal_bits;
+    std::string mesh_steps = "auto";
     std::optional<std::string> page_mips, page_shape;  ///< of pages; not given: what BuildOptions has
     bool json = false;
 };
@@ -342,11 +346,29 @@ Status read_atlas_form(const Arguments& arguments, layers::BuildOptions& options
     return Done{};
 }
 
+/// Which of the names it is; they are checked when the command line is read.
+template <typename Value, size_t kNames>
+Value named(const std::array<std::string_view, kNames>& names, const std::string& name) {
+    return static_cast<Value>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+Status read_mesh_form(const Arguments& arguments, layers::MeshForm& form) {
+    form.transport = named<layers::MeshTransport>(layers::kMeshTransportNames, arguments.mesh_transport);
+    form.topology = named<codec::mesh::MeshTopology>(layers::kMeshTopologyNames, arguments.mesh_topology);
+    form.precision = named<layers::PositionPrecision>(layers::kPositionPrecisionNames, arguments.precision);
+    form.normal_bits = arguments.normal_bits;
+    if (arguments.mesh_steps != "auto")
+        form.steps = static_cast<uint32_t>(std::stoul(arguments.mesh_steps, nullptr, 0));
+    if (Status good = layers::check_mesh_form(form); !good) return wrong_value("--normal-bits", good.error().text());
+    return Done{};
+}
+
 /// All but the aerial photographs. Error: wrong usage, one line.
 Result<layers::BuildOptions> options_of(Arguments& arguments, ProgressBar& bar) {
     layers::BuildOptions options;
     if (const Status read = read_values(arguments, options); !read) return read.error();
     if (const Status read = read_atlas_form(arguments, options); !read) return read.error();
+    if (const Status read = read_mesh_form(arguments, options.mesh); !read) return read.error();
     options.output = arguments.output;
     options.reference = arguments.reference;
     options.jobs = arguments.jobs;
@@ -434,6 +456,36 @@ int verify(const Arguments& arguments, ProgressBar& bar) {
                                                damages->size()));
 }
 
+template <size_t kNames>
+CLI::Validator one_of(const std::array<std::string_view, kNames>& names) {
+    return CLI::IsMember(std::vector<std::string>(names.begin(), names.end()));
+}
+
+void add_mesh_options(CLI::App& app, Arguments& arguments) {
+    app.add_option("--mesh-transport", arguments.mesh_transport,
+                   "how meshes travel: default (positions in steps), draco (one step, decoded by libdraco)")
+        ->check(one_of(layers::kMeshTransportNames))
+        ->capture_default_str();
+    app.add_option("--normal-bits", arguments.normal_bits,
+                   fmt::format("bits of a normal, an even number from {} to {}", layers::kLeastNormalBits,
+                               layers::kMostNormalBits))
+        ->capture_default_str();
+    app.add_option("--mesh-topology", arguments.mesh_topology,
+                   "how triangles lie in GPU memory: indices; local-strips (drawn as they are); strip-code (smallest, "
+                   "decoded by the GPU before drawing)")
+        ->check(one_of(layers::kMeshTopologyNames))
+        ->capture_default_str();
+    app.add_option("--precision", arguments.precision,
+                   "bits of positions: ap (by distance), cap (and as many as pictures and bent normals ask for)")
+        ->check(one_of(layers::kPositionPrecisionNames))
+        ->capture_default_str();
+    app.add_option("--mesh-steps", arguments.mesh_steps,
+                   "steps of positions: more make the first one smaller and all of them larger; auto: of each tile as "
+                   "many as pay")
+        ->check(command_line::word_or("auto", command_line::number_from(1U, codec::mesh::kMostMeshSteps)))
+        ->capture_default_str();
+}
+
 void add_build_options(CLI::App& app, Arguments& arguments) {
     app.add_option("-o,--output", arguments.output, "archive to write (.3tz)");
     app.add_option("--layers", arguments.layers, "layers to build: mesh,facade,atlas")->capture_default_str();
@@ -486,6 +538,7 @@ void add_build_options(CLI::App& app, Arguments& arguments) {
                    "how much images may lose to become smaller, METRIC:TOLERANCE or none: rmse, nrmse, tm, mannos, "
                    "daly, ahumada, hvse, flip (largest error) or ssim (least similarity)")
         ->capture_default_str();
+    add_mesh_options(app, arguments);
     app.add_flag("--json", arguments.json, "print the summary as JSON");
 }
 

@@ -145,6 +145,19 @@ Status LayerCache::append_zeros(CachedLayer& layer, uint64_t bytes, uint32_t ste
     return Done{};
 }
 
+Status LayerCache::refine(CachedLayer& layer, uint64_t begin, std::span<const uint32_t> planes, uint32_t to_level,
+                          uint64_t total_bytes, uint32_t steps) {
+    if (layer.id == kNoLayer) return Error{"a layer that is not in the store cannot be refined"};
+    const Result<uint64_t> bytes = store_.refine(layer.id, begin, planes, to_level);
+    if (!bytes) return bytes.error();
+    slots_used_ += store_.slots_for(*bytes) - store_.slots_for(layer.store_bytes);
+    layer.store_bytes = *bytes;
+    layer.store_steps = steps;
+    if (*bytes == total_bytes) return Done{};
+    drop_store(layer);
+    return Error{"a refined layer is not as large as was said"};
+}
+
 void LayerCache::drop_store(CachedLayer& layer) {
     if (layer.id == kNoLayer) return;
     store_.destroy(layer.id);

@@ -95,6 +95,12 @@ class LayerCache {
     Status append(CachedLayer& layer, std::span<const uint32_t> words, uint32_t steps);
     /// The same for a client that does not decode: `bytes` zeros.
     Status append_zeros(CachedLayer& layer, uint64_t bytes, uint32_t steps);
+    /// Takes the precision buffer at the end of the layer's words (LayerStore::refine) to a higher level, which brings
+    /// the layer to `steps` steps and `total_bytes` bytes in all. The caller has freed slots_for(total_bytes) slots,
+    /// for the old words stay until the new ones are written; where it cannot, it drops the layer and appends it anew.
+    /// A refinement that fails changes nothing; a layer of other than total_bytes bytes after it is dropped.
+    Status refine(CachedLayer& layer, uint64_t begin, std::span<const uint32_t> planes, uint32_t to_level,
+                  uint64_t total_bytes, uint32_t steps);
     void drop_store(CachedLayer& layer);
 
     uint64_t slots_used() const { return slots_used_; }

@@ -4,29 +4,14 @@
 #include <mutex>
 #include <utility>
 
-#include "codec/grid.h"
 #include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/facade_index.h"
 #include "tiles/tileset/tileset_json.h"
 
 namespace citystream::client {
 
-using tiles::tileset::Layer;
 using tiles::tileset::TileAddress;
 using tiles::tileset::TileRecord;
-
-namespace {
-
-bool shows(const TileDraw& draw, const TileRecord& record) {
-    const auto& steps = record.steps(Layer::kMesh);
-    if (draw.mesh_step_words.size() > steps.size()) return false;
-    for (size_t i = 0; i < draw.mesh_step_words.size(); ++i) {
-        if (steps[i].decoded_bytes / 4 != draw.mesh_step_words[i]) return false;
-    }
-    return true;
-}
-
-}  // namespace
 
 std::optional<TileAddress> address_in_path(std::string_view path, std::string_view folder) {
     if (!path.starts_with(folder)) return std::nullopt;
@@ -73,21 +58,13 @@ void CityIndex::learn_subtree(TileAddress root, std::span<const std::byte> bytes
     auto subtree = tiles::tileset::parse_subtree(bytes, root, *manifest_);
     if (!subtree) return;
     subtrees_.push_back(std::move(*subtree));
-    for (const TileRecord& record : subtrees_.back().tiles) {
-        const GridPoint origin = manifest_->tile_origin(record);
-        by_origin_[{origin.x, origin.y, origin.z}].push_back(&record);
-    }
+    for (const TileRecord& record : subtrees_.back().tiles) tiles_[record.address] = &record;
 }
 
 const TileRecord* CityIndex::find(const TileDraw& draw) const {
     const std::shared_lock lock(mutex_);
-    const auto found = by_origin_.find({to_grid(draw.origin[0]), to_grid(draw.origin[1]), to_grid(draw.origin[2])});
-    if (found == by_origin_.end()) return nullptr;
-    const TileRecord* best = nullptr;
-    for (const TileRecord* record : found->second) {
-        if (shows(draw, *record) && (best == nullptr || record->address.level > best->address.level)) best = record;
-    }
-    return best;
+    const auto found = tiles_.find(draw.address);
+    return found == tiles_.end() ? nullptr : found->second;
 }
 
 uint64_t CityIndex::map_bytes(MapPiece piece) const {

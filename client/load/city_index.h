@@ -12,7 +12,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "client/render/frame.h"
@@ -32,8 +31,7 @@ class CityIndex {
     /// Learns from a received piece of the directory (tileset.json, a subtree, an index); others and repeated
     /// ones are ignored.
     void learn(const std::string& path, std::span<const std::byte> bytes);
-    /// The record of the tile that is drawn, or null. A draw names no address, so it is found by its origin and the
-    /// words of its mesh steps.
+    /// The record of the tile that is drawn, or null.
     const tiles::tileset::TileRecord* find(const TileDraw& draw) const;
     /// Wire bytes of a level of a facade map; 0 when the facade index is not known.
     uint64_t map_bytes(MapPiece piece) const;
@@ -41,14 +39,13 @@ class CityIndex {
     uint64_t chart_bytes(const ChartPrefix& prefix) const;
 
   private:
-    using Origin = std::tuple<int64_t, int64_t, int64_t>;
     void learn_subtree(tiles::tileset::TileAddress root, std::span<const std::byte> bytes);
 
     mutable std::shared_mutex mutex_;
     std::set<std::string> known_paths_;
     std::optional<tiles::tileset::Manifest> manifest_;
     std::list<tiles::tileset::Subtree> subtrees_;
-    std::map<Origin, std::vector<const tiles::tileset::TileRecord*>> by_origin_;
+    std::map<tiles::tileset::TileAddress, const tiles::tileset::TileRecord*> tiles_;
     FacadeDictionary dictionary_;
     ChartDictionary charts_;
 };

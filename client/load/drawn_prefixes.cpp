@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "client/select/selection.h"
+
 namespace citystream::client {
 
 using tiles::tileset::Layer;
@@ -33,10 +35,8 @@ void DrawnPrefixes::credit_charts(const TileDraw& draw, Shown& shown) {
 }
 
 void DrawnPrefixes::credit_draw(const TileDraw& draw, Shown& shown) {
-    shown.mesh_steps = draw.mesh_step_words.size();
-    uint64_t mesh_words = 0;
-    for (const uint32_t words : draw.mesh_step_words) mesh_words += words;
-    credit(*shown.record, Layer::kMesh, mesh_words * 4);
+    shown.mesh_steps = draw.mesh_steps;
+    credit(*shown.record, Layer::kMesh, decoded_prefix_bytes(shown.record->steps(Layer::kMesh), draw.mesh_steps));
     if (draw.atlas != kNoLayer) {
         shown.atlas_bytes = store_.bytes_of(draw.atlas);
         credit(*shown.record, Layer::kAtlas, shown.atlas_bytes);
@@ -55,7 +55,7 @@ void DrawnPrefixes::credit_draw(const TileDraw& draw, Shown& shown) {
 
 bool DrawnPrefixes::has_grown(const TileDraw& draw, const Shown& shown) const {
     const bool same_atlas = draw.atlas == kNoLayer || shown.atlas_bytes == store_.bytes_of(draw.atlas);
-    if (shown.mesh_steps != draw.mesh_step_words.size() || shown.facade != draw.facade || !same_atlas) return true;
+    if (shown.mesh_steps != draw.mesh_steps || shown.facade != draw.facade || !same_atlas) return true;
     const bool same_charts =
         std::equal(draw.shared_charts.begin(), draw.shared_charts.end(), shown.charts.begin(), shown.charts.end(),
                    [](const SharedChartBinding& binding, const ChartPrefix& was) {

@@ -6,12 +6,12 @@
 #include "codec/atlas/page_layer.h"
 #include "codec/atlas/wrap_coordinate_layout.h"
 #include "codec/chart_word.h"
-#include "codec/mesh/mesh_layer.h"
+#include "codec/mesh/mesh_resident.h"
 
 namespace citystream::client {
 namespace {
 
-using codec::mesh::MeshLayerView;
+using codec::mesh::ResidentMeshView;
 
 constexpr int32_t kRepeat = 1 << 16;  // of mesh texture coordinates
 constexpr int64_t kPackedStep = kRepeat / WRAP_PLACE_ONE;
@@ -44,14 +44,16 @@ std::array<uint32_t, 2> uniform_words(const ChartWords& chart) {
                            : std::array<uint32_t, 2>{chart.u | chart.page(), chart.v | flags};
 }
 
-std::vector<ChartRun> make_runs(const MeshLayerView& mesh, const ChartTable& table) {
+std::vector<ChartRun> make_runs(const ResidentMeshView& mesh, const ChartTable& table) {
     std::vector<ChartRun> runs;
-    uint32_t previous = 0;
-    for (uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
-        const uint32_t chart = mesh.chart_word(triangle);
-        if (runs.empty() || chart != previous) runs.push_back({0, uniform_words(table.chart(chart))});
-        ++runs.back().triangles;
-        previous = chart;
+    uint32_t triangle = 0, previous = 0;
+    for (uint32_t range = 0; range < mesh.ranges().size(); ++range) {
+        for (uint32_t i = 0; i < mesh.ranges()[range].triangles; ++i, ++triangle) {
+            const uint32_t chart = mesh.chart_word(triangle);
+            if (i == 0 || chart != previous) runs.push_back({range, i, 0, uniform_words(table.chart(chart))});
+            ++runs.back().triangles;
+            previous = chart;
+        }
     }
     return runs;
 }
@@ -64,7 +66,7 @@ std::array<float, COORDINATE_FRAME_WORDS> attribute_frame(const ChartWords& char
             (chart.flags & PAGES_CHART_REPEAT_V) != 0 ? frame.size_v : -frame.size_v};
 }
 
-std::vector<uint32_t> make_attributes(const MeshLayerView& mesh, const ChartTable& table) {
+std::vector<uint32_t> make_attributes(const ResidentMeshView& mesh, const ChartTable& table) {
     std::vector<uint32_t> words;
     words.reserve(size_t{3} * COORDINATE_FRAME_WORDS * mesh.triangle_count());
     for (uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
@@ -85,7 +87,7 @@ std::optional<uint32_t> packed_word(uint32_t chart, int32_t texcoord, int32_t ba
 }
 
 // Empty: a place is not on the packed grid.
-std::optional<std::vector<uint32_t>> make_packed(const MeshLayerView& mesh, const ChartTable& table) {
+std::optional<std::vector<uint32_t>> make_packed(const ResidentMeshView& mesh, const ChartTable& table) {
     std::vector<uint32_t> words;
     words.reserve(size_t{COORDINATE_TRIANGLE_WORDS} * mesh.triangle_count());
     for (uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
@@ -93,12 +95,12 @@ std::optional<std::vector<uint32_t>> make_packed(const MeshLayerView& mesh, cons
         int32_t base[2], texcoord[2];
         mesh.texcoord_base(triangle, base);
         words.push_back(chart.flags);
-        for (uint32_t corner = 3 * triangle; corner < 3 * triangle + 3; ++corner) {
+        for (uint32_t corner = 0; corner < 3; ++corner) {
             if (chart.is_flat()) {
                 words.insert(words.end(), {chart.u, 0});
                 continue;
             }
-            mesh.texcoord(mesh.index(corner), triangle, texcoord);
+            mesh.texcoord(triangle, corner, texcoord);
             const auto u = packed_word(chart.u, texcoord[0], base[0], (chart.flags & PAGES_CHART_REPEAT_U) != 0);
             const auto v = packed_word(chart.v, texcoord[1], base[1], (chart.flags & PAGES_CHART_REPEAT_V) != 0);
             if (!u || !v) return std::nullopt;
@@ -121,8 +123,7 @@ Result<ChartCoordinates> make_chart_coordinates(ChartTransport wanted, std::span
     const uint64_t table_words = page_table_words(table);
     if (table_words == 0 || table_words > table.size()) return Error{"an atlas without a chart table"};
     const ChartTable charts{table};
-    const std::array<uint32_t, 1> steps = {static_cast<uint32_t>(mesh.size())};
-    const auto view = MeshLayerView::create(mesh, steps, charts.count());
+    const auto view = ResidentMeshView::create(mesh, charts.count());
     if (!view) return view.error();
     ChartCoordinates made;
     if (wanted == ChartTransport::kUniform && charts.pages() <= kUniformPages) {

@@ -16,9 +16,9 @@
 
 namespace citystream::client {
 
-/// Consecutive triangles with one chart.
+/// Consecutive triangles of a range with one chart.
 struct ChartRun {
-    uint32_t triangles = 0;
+    uint32_t range = 0, first = 0, triangles = 0;
     std::array<uint32_t, 2> words{};  ///< TileConstants.shared_charts of their draw
 };
 
@@ -31,7 +31,7 @@ struct ChartCoordinates {
 /// Words of a page layer from its beginning that hold its chart table; 0 where its header says none that can be.
 uint64_t page_table_words(std::span<const uint32_t> header);
 
-/// `mesh`: its first step. `table`: page_table_words() of the atlas. Safe for words that nobody vouches for: whatever
+/// `mesh`: all its words. `table`: page_table_words() of the atlas. Safe for words that nobody vouches for: whatever
 /// does not add up is an error. O(triangles).
 Result<ChartCoordinates> make_chart_coordinates(ChartTransport wanted, std::span<const uint32_t> mesh,
                                                 std::span<const uint32_t> table);

@@ -5,10 +5,10 @@
 namespace citystream::client {
 
 CoordinateLayers::Coordinates CoordinateLayers::make(const TileDraw& tile, SlotPool& pool) {
-    if (tile.mesh == kNoLayer || tile.mesh_step_words.empty()) return {};
+    if (tile.mesh == kNoLayer) return {};
     const std::vector<uint32_t> header = read_words(pool, tile.atlas, PAGES_HEADER_WORDS);
     const std::vector<uint32_t> table = read_words(pool, tile.atlas, page_table_words(header));
-    const std::vector<uint32_t> mesh = read_words(pool, tile.mesh, tile.mesh_step_words[0]);
+    const std::vector<uint32_t> mesh = read_words(pool, tile.mesh, ~uint64_t{0});
     auto coordinates = make_chart_coordinates(wanted_, mesh, table);
     if (!coordinates) return {};
     Coordinates made{coordinates->transport, kNoLayer, std::move(coordinates->runs), 0};

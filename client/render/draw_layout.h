@@ -29,7 +29,10 @@ using uint = uint32_t;
 /* (float): how much walls are tinted, 0..1, and how fast tints change (shaders/facade_tint.glsl). */
 #define FACADE_TINT_CONSTANT 4
 #define TINTS_PER_METRE_CONSTANT 5
-#define DRAW_MESH_STEPS 4
+/* (uint): RESIDENT_KIND_* | RESIDENT_FLAG_* << 8 of the ranges that are drawn (codec/mesh/mesh_resident_layout.h), or
+   any; strip code is drawn by pipelines that say so. */
+#define MESH_FORM_CONSTANT 6
+#define MESH_FORM_ANY 0xffffffffu
 
 /* Of a frame. Directions are the camera's axes, scaled so that clip.xyw = row * p and clip.z = near_plane (reversed z,
  * infinite far plane). */
@@ -51,13 +54,15 @@ struct TileConstants {
     uint facade_maps[2];    /* address of FacadeTableHead, FacadeMapEntry[] */
     int origin[3];          /* grid units from the camera's grid cell to the tile's origin */
     float atlas_finest_mip; /* that may be shown: at least the finest resident one, whatever the form of the atlas */
-    uint mesh_steps;
-    uint mesh_step_begin[DRAW_MESH_STEPS - 1]; /* words; of the steps behind the first */
+    /* The rule that positions are cut by (codec/mesh/precision.h), and bits that all of them drop at least. */
+    uint distance_per_unit;
+    uint least_dropped;
     /* Address of one SharedChartEntry for each chart of the tile; 0: it names no shared ones. Where the atlas is in
        pages, which name none: reference of the coordinate layer (CHART_TRANSPORT_ATTRIBUTE and _PACKED), or the chart
        of the draw (_UNIFORM): its packed coordinates, in their places' bits its page and flags; of a flat chart its
        colour and its flags. */
     uint shared_charts[2];
+    uint corners[2]; /* of a range of strip code: address of its decoded corners, a vertex number each */
 };
 
 /* Of a chart of the tile that lies in the city's dictionary. */

@@ -9,6 +9,9 @@
 
 #include "client/cache/layer_store.h"
 #include "codec/atlas/atlas_form.h"
+#include "codec/mesh/mesh_resident.h"
+#include "codec/mesh/precision.h"
+#include "tiles/tileset/directory.h"
 
 namespace citystream::client {
 
@@ -32,11 +35,15 @@ struct SharedChartBinding {
 
 /// One tile to draw, with the prefixes that are resident.
 struct TileDraw {
-    std::array<double, 3> origin{};  ///< metres, absolute: what tile-relative positions count from
+    tiles::tileset::TileAddress address;  ///< for who counts what is drawn
+    std::array<double, 3> origin{};       ///< metres, absolute: what tile-relative positions count from
     LayerId mesh = kNoLayer;
-    std::vector<uint32_t> mesh_step_words;  ///< words of each resident step
-    uint32_t mesh_triangles = 0;
-    uint32_t mesh_dressed_begin = 0;
+    uint32_t mesh_steps = 0;                          ///< on show
+    std::vector<codec::mesh::MeshRange> mesh_ranges;  ///< of its triangles; dressed ones are not drawn with facades
+    /// What the frame grants each vertex by its distance, the same for all tiles, and what is left out of this tile at
+    /// least: what the step that was chosen drops, though finer ones may be here (client/select/position_rule.h).
+    codec::mesh::DropRule drop_rule{~0U, 0};  ///< grants nothing
+    uint32_t mesh_least_dropped = 0;
     LayerId atlas = kNoLayer;  ///< kNoLayer: flat grey
     codec::atlas::AtlasForm atlas_form = codec::atlas::AtlasForm::kCharts;
     uint32_t atlas_finest_mip = 0;                  ///< that is resident
@@ -60,6 +67,8 @@ struct FrameImage {
 struct FrameCounts {
     uint32_t mesh_draws = 0, page_tiles = 0, fallback_tiles = 0;
     uint64_t coordinate_bytes = 0;
+    uint32_t strip_rounds = 0;             ///< one where all strip code that is drawn fits its memory
+    uint64_t decoded_strip_triangles = 0;  ///< that the frame missed
 };
 
 /// Time by stage in milliseconds; GPU stages from timestamps.

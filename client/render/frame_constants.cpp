@@ -10,8 +10,6 @@
 namespace citystream::client {
 namespace {
 
-constexpr int kFractionBits = 6;  // of a grid unit: 2^-16 m
-
 void split_address(VkDeviceAddress address, uint out[2]) {
     out[0] = static_cast<uint32_t>(address);
     out[1] = static_cast<uint32_t>(address >> 32);
@@ -22,17 +20,6 @@ void scale_row(const std::array<double, 3>& axis, double scale, float out[3]) {
 }
 
 }  // namespace
-
-CameraCell camera_cell(const std::array<double, 3>& position) {
-    CameraCell result;
-    for (size_t i = 0; i < 3; ++i) {
-        const int64_t fixed = std::llround(position[i] * kGridUnitsPerMetre * (1 << kFractionBits));
-        result.cell[i] = fixed >> kFractionBits;
-        const int64_t rest = fixed - (result.cell[i] << kFractionBits);
-        result.fraction[i] = static_cast<float>(static_cast<double>(rest) * kMetresPerGridUnit / (1 << kFractionBits));
-    }
-    return result;
-}
 
 FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell,
                                     const codec::atlas::FacadeTint& tint) {
@@ -139,13 +126,8 @@ Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCe
             return Error{"a tile is more than 1,000 km away"};
         constants.origin[i] = static_cast<int32_t>(offset);
     }
-    if (tile.mesh_step_words.size() > DRAW_MESH_STEPS) return Error{"a mesh layer of more than 4 steps"};
-    constants.mesh_steps = static_cast<uint32_t>(tile.mesh_step_words.size());
-    uint32_t begin = 0;
-    for (size_t i = 0; i < tile.mesh_step_words.size(); ++i) {
-        if (i > 0) constants.mesh_step_begin[i - 1] = begin;
-        begin += tile.mesh_step_words[i];
-    }
+    constants.distance_per_unit = tile.drop_rule.distance_per_unit;
+    constants.least_dropped = tile.mesh_least_dropped;
     return constants;
 }
 

@@ -15,15 +15,6 @@
 
 namespace citystream::client {
 
-/// The camera's place as a whole grid cell and the rest, so that tiles are placed by exact integers. The position is
-/// rounded to 2^-16 m first: a city far from the origin, whose camera positions carry rounding of their own, then draws
-/// the same frames as one at the origin.
-struct CameraCell {
-    std::array<int64_t, 3> cell{};    ///< grid units
-    std::array<float, 3> fraction{};  ///< metres, 0..2^-10
-};
-CameraCell camera_cell(const std::array<double, 3>& position);
-
 FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell,
                                     const codec::atlas::FacadeTint& tint = {});
 

@@ -31,14 +31,16 @@ struct ShaderConstants {
     uint32_t transport;
     VkBool32 alpha_test;
     float facade_tint, tints_per_metre;
+    uint32_t mesh_form;
 };
-constexpr std::array<VkSpecializationMapEntry, 6> kConstantEntries = {
+constexpr std::array<VkSpecializationMapEntry, 7> kConstantEntries = {
     {{DIRECT_LAYERS_CONSTANT, offsetof(ShaderConstants, direct_layers), sizeof(VkBool32)},
      {PAGES_CONSTANT, offsetof(ShaderConstants, pages), sizeof(VkBool32)},
      {CHART_TRANSPORT_CONSTANT, offsetof(ShaderConstants, transport), sizeof(uint32_t)},
      {ALPHA_TEST_CONSTANT, offsetof(ShaderConstants, alpha_test), sizeof(VkBool32)},
      {FACADE_TINT_CONSTANT, offsetof(ShaderConstants, facade_tint), sizeof(float)},
-     {TINTS_PER_METRE_CONSTANT, offsetof(ShaderConstants, tints_per_metre), sizeof(float)}}};
+     {TINTS_PER_METRE_CONSTANT, offsetof(ShaderConstants, tints_per_metre), sizeof(float)},
+     {MESH_FORM_CONSTANT, offsetof(ShaderConstants, mesh_form), sizeof(uint32_t)}}};
 
 ShaderConstants constants_of(const PassVariant& variant) {
     return {variant.reading == LayerReading::kDirect ? VK_TRUE : VK_FALSE,
@@ -46,7 +48,8 @@ ShaderConstants constants_of(const PassVariant& variant) {
             static_cast<uint32_t>(variant.transport),
             variant.alpha_test ? VK_TRUE : VK_FALSE,
             static_cast<float>(variant.tint.strength),
-            static_cast<float>(1 / variant.tint.step_metres)};
+            static_cast<float>(1 / variant.tint.step_metres),
+            variant.mesh_form};
 }
 
 // `fragment` empty: depth only.

@@ -28,6 +28,7 @@ struct PassVariant {
     ChartTransport transport = ChartTransport::kTable;  ///< of the mesh pass where the form is kPages
     bool alpha_test = false;                            ///< of the mesh pass
     codec::atlas::FacadeTint tint = {};
+    uint32_t mesh_form = MESH_FORM_ANY;  ///< of the ranges: RESIDENT_KIND_* | RESIDENT_FLAG_* << 8
     auto operator<=>(const PassVariant&) const = default;
 };
 

@@ -11,12 +11,12 @@ namespace {
 
 PrecisionMergeJob job_of(const PrecisionChange& change, uint32_t first_word) {
     PrecisionMergeJob job{};
-    const VkDeviceAddress target = change.target;
     std::memcpy(job.source, &change.source, sizeof job.source);
-    std::memcpy(job.target, &target, sizeof job.target);
+    std::memcpy(job.target, &change.target, sizeof job.target);
     std::memcpy(job.planes, &change.planes, sizeof job.planes);
     job.first_word = first_word;
     job.to_level = change.to_level;
+    job.words_before = change.words_before;
     uint64_t begin = 0;
     for (uint32_t plane = change.from_level; plane < change.to_level; ++plane) {
         job.plane_begin[plane] = static_cast<uint32_t>(begin);
@@ -43,7 +43,7 @@ void PrecisionMerger::record(VkCommandBuffer commands, std::span<const Precision
     PrecisionMergeConstants constants{};
     for (const PrecisionChange& change : changes) {
         jobs[constants.job_count++] = job_of(change, constants.words);
-        constants.words += static_cast<uint32_t>(change.shape->words_at(change.to_level));
+        constants.words += change.words_before + static_cast<uint32_t>(change.shape->words_at(change.to_level));
     }
     std::memcpy(constants.jobs, &table.address, sizeof constants.jobs);
     const uint32_t groups = (constants.words + PRECISION_MERGE_GROUP - 1) / PRECISION_MERGE_GROUP;

@@ -11,14 +11,16 @@
 
 namespace citystream::client {
 
-/// One buffer that changes. References are those of layers (draw_layout.h). The words behind them have been checked by
-/// PrecisionView, planes have as many as words_between says: the pass trusts both.
+/// One buffer that changes. References are those of layers (draw_layout.h), in one piece or paged. The header behind
+/// `source` has been checked by read_precision_header, source and target have as many words as it says, planes as many
+/// as words_between says: the pass trusts them.
 struct PrecisionChange {
     const codec::mesh::PrecisionShape* shape = nullptr;
     uint32_t from_level = 0, to_level = 0;
     VkDeviceAddress source = 0;
     VkDeviceAddress planes = 0;  ///< planes from_level..to_level - 1, one after the other; not read downwards
-    VkDeviceAddress target = 0;  ///< address of shape->words_at(to_level) words in one piece, not the source's
+    VkDeviceAddress target = 0;  ///< words_before + shape->words_at(to_level) words, none of them the source's
+    uint32_t words_before = 0;   ///< of the layer, before the buffer: copied
 };
 
 class PrecisionMerger {

@@ -10,6 +10,15 @@ namespace {
 constexpr uint64_t kSlotWords = kSlotBytes / 4;
 constexpr uint64_t kStagingBytes = 1 << 20;
 
+uint64_t slots_for(uint64_t words) {
+    return (words + kSlotWords - 1) / kSlotWords;
+}
+
+Error no_room(const SlotPool& pool, uint64_t needed) {
+    return Error{"GPU budget exhausted: " + std::to_string(needed) + " slots needed, " +
+                 std::to_string(free_slots(pool)) + " free"};
+}
+
 // Slots of chunk `chunk`; the last chunk is smaller when the budget is no multiple of the chunk.
 uint64_t slots_of_chunk(const SlotPool& pool, uint64_t chunk) {
     return std::min(kSlotsPerChunk, pool.slot_count - chunk * kSlotsPerChunk);
@@ -133,20 +142,30 @@ LayerId create_layer(SlotPool& pool) {
     return id;
 }
 
+Result<SlotLayer> move_layer(SlotPool& pool, LayerId id, uint64_t words) {
+    if (!is_live(pool, id)) return Error{"a layer that does not exist cannot move"};
+    const uint64_t needed = slots_for(words);
+    if (needed > free_slots(pool)) return no_room(pool, needed);
+    SlotLayer moved;
+    moved.live = true;
+    moved.words = words;
+    take_slots(pool, moved, needed);
+    advance_hint(pool);
+    std::swap(pool.layers[id], moved);
+    return moved;
+}
+
 uint64_t slots_to_append(const SlotPool& pool, LayerId id, uint64_t words) {
     if (!is_live(pool, id)) return 0;
     const SlotLayer& layer = pool.layers[id];
-    return (layer.words + words + kSlotWords - 1) / kSlotWords - layer.slots.size();
+    return slots_for(layer.words + words) - layer.slots.size();
 }
 
 Status append_words(SlotPool& pool, LayerId id, std::span<const uint32_t> words) {
     if (!is_live(pool, id)) return Error{"append to a layer that does not exist"};
     SlotLayer& layer = pool.layers[id];
     const uint64_t needed = slots_to_append(pool, id, words.size());
-    if (needed > free_slots(pool)) {
-        return Error{"GPU budget exhausted: " + std::to_string(needed) + " slots needed, " +
-                     std::to_string(free_slots(pool)) + " free"};
-    }
+    if (needed > free_slots(pool)) return no_room(pool, needed);
     take_slots(pool, layer, needed);
     advance_hint(pool);
     while (!words.empty()) {
@@ -160,47 +179,52 @@ Status append_words(SlotPool& pool, LayerId id, std::span<const uint32_t> words)
     return Done{};
 }
 
-std::vector<uint32_t> read_words(const SlotPool& pool, LayerId id, uint64_t count) {
-    if (!is_live(pool, id)) return {};
+std::vector<uint32_t> read_words(const SlotPool& pool, LayerId id, uint64_t count, uint64_t first) {
+    if (!is_live(pool, id) || first >= pool.layers[id].words || count == 0) return {};
     const SlotLayer& layer = pool.layers[id];
-    std::vector<uint32_t> words(std::min(count, layer.words));
-    const uint64_t slots = (words.size() + kSlotWords - 1) / kSlotWords;
-    if (slots == 0) return words;
+    std::vector<uint32_t> words(std::min(count, layer.words - first));
+    const uint64_t begin = first / kSlotWords, end = slots_for(first + words.size());
     const auto byte_of = [](uint32_t slot) { return slot % kSlotsPerChunk * kSlotBytes; };
     const auto copy_out = [&](uint64_t i, const std::byte* from) {
-        const uint64_t here = std::min(kSlotWords, words.size() - i * kSlotWords);
-        std::memcpy(&words[i * kSlotWords], from, here * 4);
+        const uint64_t at = std::max(first, i * kSlotWords);
+        const uint64_t here = std::min((i + 1) * kSlotWords, first + words.size()) - at;
+        std::memcpy(&words[at - first], from + at % kSlotWords * 4, here * 4);
     };
     if (pool.direct) {
-        for (uint64_t i = 0; i < slots; ++i) {
+        for (uint64_t i = begin; i < end; ++i) {
             const Buffer& chunk = pool.chunks[layer.slots[i] / kSlotsPerChunk];
             copy_out(i, static_cast<const std::byte*>(chunk.mapped) + byte_of(layer.slots[i]));
         }
         return words;
     }
-    Buffer buffer = create_buffer(*pool.device, slots * kSlotBytes, BufferPlace::kReadback);
+    Buffer buffer = create_buffer(*pool.device, (end - begin) * kSlotBytes, BufferPlace::kReadback);
     submit_and_wait(*pool.device, [&](VkCommandBuffer commands) {
-        for (uint64_t i = 0; i < slots; ++i) {
-            const VkBufferCopy copy{byte_of(layer.slots[i]), i * kSlotBytes, kSlotBytes};
+        for (uint64_t i = begin; i < end; ++i) {
+            const VkBufferCopy copy{byte_of(layer.slots[i]), (i - begin) * kSlotBytes, kSlotBytes};
             vkCmdCopyBuffer(commands, pool.chunks[layer.slots[i] / kSlotsPerChunk].handle, buffer.handle, 1, &copy);
         }
         memory_barrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT,
                        VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
     });
-    for (uint64_t i = 0; i < slots; ++i) copy_out(i, static_cast<const std::byte*>(buffer.mapped) + i * kSlotBytes);
+    for (uint64_t i = begin; i < end; ++i) {
+        copy_out(i, static_cast<const std::byte*>(buffer.mapped) + (i - begin) * kSlotBytes);
+    }
     destroy_buffer(*pool.device, buffer);
     return words;
 }
 
-void destroy_layer(SlotPool& pool, LayerId id) {
-    if (!is_live(pool, id)) return;
-    SlotLayer& layer = pool.layers[id];
+void free_slots_of(SlotPool& pool, const SlotLayer& layer) {
     for (const uint32_t slot : layer.slots) {
         pool.used[slot] = 0;
         pool.first_free_hint = std::min(pool.first_free_hint, slot);
     }
     pool.slots_used -= layer.slots.size();
-    layer = {};
+}
+
+void destroy_layer(SlotPool& pool, LayerId id) {
+    if (!is_live(pool, id)) return;
+    free_slots_of(pool, pool.layers[id]);
+    pool.layers[id] = {};
     pool.free_layers.push_back(id);
 }
 

@@ -1,6 +1,6 @@
 // GPU memory for layers: slots of 1 KiB cut from 4 MiB chunks, under a hard budget. A layer is a list of slots that
-// only grows; a freed slot is the next one given out, so a pool never fragments. Chunks are allocated when first needed
-// and never exceed the budget in sum.
+// grows, or moves to others; a freed slot is the next one given out, so a pool never fragments. Chunks are allocated
+// when first needed and never exceed the budget in sum.
 //
 // Where device memory can be mapped (software drivers, integrated GPUs, large BAR) words are written straight into
 // their slots; otherwise through a staging buffer. Not thread safe. Nothing may be in flight on the queue when slots
@@ -51,9 +51,14 @@ inline uint64_t free_slots(const SlotPool& pool) {
 /// `layer` is not live.
 Status append_words(SlotPool& pool, LayerId layer, std::span<const uint32_t> words);
 void destroy_layer(SlotPool& pool, LayerId layer);
-/// The layer's first `count` words back from the GPU's memory; fewer where it has fewer, none of a layer that is not
-/// live. Slow where memory is not mapped.
-std::vector<uint32_t> read_words(const SlotPool& pool, LayerId layer, uint64_t count);
+/// Gives the layer other slots, for `words` words that are undefined until something writes them. Returns what it was:
+/// its slots stay taken until free_slots_of. Fails, and changes nothing, when free slots do not suffice or `layer` is
+/// not live.
+Result<SlotLayer> move_layer(SlotPool& pool, LayerId layer, uint64_t words);
+void free_slots_of(SlotPool& pool, const SlotLayer& layer);
+/// `count` words of the layer from `first` on, back from the GPU's memory; fewer where it has fewer, none of a layer
+/// that is not live. Slow where memory is not mapped.
+std::vector<uint32_t> read_words(const SlotPool& pool, LayerId layer, uint64_t count, uint64_t first = 0);
 
 bool is_live(const SlotPool& pool, LayerId layer);
 VkDeviceAddress slot_address(const SlotPool& pool, uint32_t slot);

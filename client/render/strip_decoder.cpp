@@ -206,4 +206,12 @@ void record_strip_decode(VkCommandBuffer commands, const StripDecoder& decoder, 
     dispatch(decoder.passes[3], sizes.blocks(STRIP_KIND_STEPS));
 }
 
+void strip_barrier(VkCommandBuffer commands) {
+    constexpr VkPipelineStageFlags kDecode = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
+    constexpr VkPipelineStageFlags kDraw = VK_PIPELINE_STAGE_VERTEX_INPUT_BIT | VK_PIPELINE_STAGE_VERTEX_SHADER_BIT;
+    memory_barrier(commands, kDecode | kDraw, VK_ACCESS_SHADER_WRITE_BIT, kDecode | kDraw,
+                   VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
+                       VK_ACCESS_TRANSFER_WRITE_BIT);
+}
+
 }  // namespace citystream::client

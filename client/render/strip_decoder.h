@@ -85,4 +85,8 @@ struct StripPlaces {
 void record_strip_decode(VkCommandBuffer commands, const StripDecoder& decoder, const StripPlan& plan,
                          const StripPlaces& places);
 
+/// Between decoding and drawing, either way round: corners that were decoded may be drawn as indices or by vertex
+/// shaders that read them, and memory whose corners were drawn may be decoded into.
+void strip_barrier(VkCommandBuffer commands);
+
 }  // namespace citystream::client

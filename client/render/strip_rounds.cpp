@@ -60,19 +60,6 @@ void write_records(const StripRounds& rounds, void* to) {
     }
 }
 
-namespace {
-
-// Corners that were decoded may be drawn, and memory whose corners were drawn may be decoded into.
-void barrier_between_rounds(VkCommandBuffer commands) {
-    constexpr VkPipelineStageFlags kDecode = VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT;
-    memory_barrier(commands, kDecode | VK_PIPELINE_STAGE_VERTEX_INPUT_BIT, VK_ACCESS_SHADER_WRITE_BIT,
-                   kDecode | VK_PIPELINE_STAGE_VERTEX_INPUT_BIT,
-                   VK_ACCESS_INDEX_READ_BIT | VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
-                       VK_ACCESS_TRANSFER_WRITE_BIT);
-}
-
-}  // namespace
-
 void record_strip_rounds(VkCommandBuffer commands, const StripDecoder& decoder, const StripRounds& rounds,
                          const Buffer& memory, const Buffer& records, const DrawStripRound& draw) {
     const auto places_of = [&](size_t r) {
@@ -86,7 +73,7 @@ void record_strip_rounds(VkCommandBuffer commands, const StripDecoder& decoder, 
     };
     decode(0);
     for (size_t r = 0; r < rounds.rounds.size(); ++r) {
-        barrier_between_rounds(commands);
+        strip_barrier(commands);
         // Nothing lies between these two: they use different halves.
         decode(r + 1);
         draw(commands, rounds.rounds[r], places_of(r).corners);

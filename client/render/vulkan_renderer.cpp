@@ -14,9 +14,11 @@
 #include "client/render/facade_map_facts.h"
 #include "client/render/facade_renderer_layout.h"
 #include "client/render/frame_constants.h"
+#include "client/render/layer_refiner.h"
 #include "client/render/lighting_layout.h"
 #include "client/render/pipelines.h"
 #include "client/render/slot_pool.h"
+#include "client/render/strip_ranges.h"
 #include "shaders/box_filter.comp.h"
 
 namespace citystream::client {
@@ -36,6 +38,10 @@ constexpr VkShaderStageFlags kDrawStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADE
 void split(VkDeviceAddress address, uint32_t out[2]) {
     out[0] = static_cast<uint32_t>(address);
     out[1] = static_cast<uint32_t>(address >> 32);
+}
+
+VkDeviceAddress joined(const uint32_t words[2]) {
+    return words[0] | VkDeviceAddress{words[1]} << 32;
 }
 
 // Distance from the camera to the tile's origin decides the order: exact enough for early depth tests, and the same in
@@ -83,10 +89,14 @@ class Renderer final : public VulkanRenderer {
 
     uint64_t slot_bytes() const override { return kSlotBytes; }
     uint64_t slot_count() const override { return pool_.slot_count; }
-    uint64_t slots_used() const override { return pool_.slots_used; }
+    uint64_t slots_used() const override { return pool_.slots_used - refiner_->held_slots(); }
     LayerId create() override { return create_layer(pool_); }
     Status append(LayerId layer, std::span<const uint32_t> words) override;
+    Result<uint64_t> refine(LayerId layer, uint64_t begin, std::span<const uint32_t> planes,
+                            uint32_t to_level) override;
     void destroy(LayerId layer) override {
+        refiner_->forget(layer);
+        strips_->forget(layer);
         coordinates_.forget(layer, pool_);
         destroy_layer(pool_, layer);
     }
@@ -106,7 +116,14 @@ class Renderer final : public VulkanRenderer {
         uint32_t casters;  ///< one bit each: those that its placements' maps need
         PassVariant mesh;
         const std::vector<ChartRun>* runs;  ///< one draw each; null: one for all triangles
+        size_t first_strip = 0;             ///< of strips_: its first range of strip code
 
+        /// Of one of its ranges.
+        PassVariant mesh_of(const codec::mesh::MeshRange& range) const {
+            PassVariant variant = mesh;
+            variant.mesh_form = range.kind | (range.flags & ~RESIDENT_FLAG_DRESSED) << 8;
+            return variant;
+        }
         PassVariant facade() const { return {mesh.reading, mesh.form, {}, false, mesh.tint}; }
         PassVariant occluder() const { return {mesh.reading, {}, {}, false, {}}; }
     };
@@ -116,6 +133,7 @@ class Renderer final : public VulkanRenderer {
     static uint32_t placements_of(const DrawnTile& drawn) {
         return static_cast<uint32_t>(drawn.tile->map_of_placement.size());
     }
+    void make_room(uint64_t slots);
     void ensure_tables(uint64_t words);
     bool ensure_mesh_pass(const PassVariant& variant);
     bool ensure_facade_passes(const DrawnTile& drawn);
@@ -126,9 +144,11 @@ class Renderer final : public VulkanRenderer {
     Result<DrawnTile> add_to_tables(FrameTables& tables, const TileDraw& tile, const CameraCell& cell);
     Status write_tables(const Camera& camera, std::span<const TileDraw> tiles);
     void record_frame(VkCommandBuffer commands);
-    void record_meshes(VkCommandBuffer commands);
-    void record_runs(VkCommandBuffer commands, const DrawnTile& drawn, const Pass& pass, uint32_t triangles);
-    void record_triangles(VkCommandBuffer commands, uint32_t first, uint32_t count);
+    void record_meshes(VkCommandBuffer commands, uint32_t round);
+    void record_tile(VkCommandBuffer commands, const DrawnTile& drawn, uint32_t round, VkPipeline& bound);
+    const ChartRun* record_runs(VkCommandBuffer commands, const Pass& pass, uint32_t range, const ChartRun* run,
+                                const ChartRun* end);
+    void record_triangles(VkCommandBuffer commands, uint32_t range, uint32_t first, uint32_t count);
     void record_occluders(VkCommandBuffer commands);
     void record_facades(VkCommandBuffer commands);
     void record_resolve(VkCommandBuffer commands);
@@ -144,6 +164,8 @@ class Renderer final : public VulkanRenderer {
     Instance instance_;
     Device device_;
     SlotPool pool_;
+    std::optional<LayerRefiner> refiner_;
+    std::optional<StripRanges> strips_;
     FrameTarget target_;
     Pass resolve_, filter_;
     Passes mesh_, occluder_;
@@ -163,6 +185,8 @@ class Renderer final : public VulkanRenderer {
 Renderer::~Renderer() {
     if (device_.handle != VK_NULL_HANDLE) {
         vkDeviceWaitIdle(device_.handle);
+        refiner_.reset();
+        strips_.reset();
         destroy_slot_pool(pool_);
         destroy_frame_target(device_, target_);
         const auto destroy = [&](Pass& pass) { destroy_pass(device_, pass); };
@@ -197,6 +221,8 @@ Status Renderer::start() {
     // Software drivers test depth before a fragment shader only where that writes none.
     keyed_facades_ = device_.has_fragment_atomics64 && options_.keyed_facades.value_or(device_.is_cpu);
     pool_ = create_slot_pool(device_, options_.gpu_budget_bytes);
+    refiner_.emplace(device_, pool_);
+    strips_.emplace(device_, options_.index_arena_bytes);
     coordinates_ = CoordinateLayers(options_.chart_transport);
     target_ = create_frame_target(device_, options_.width, options_.height, options_.supersample);
     if (options_.supersample > 1) filter_ = create_compute_pass(device_, k_box_filter_comp, sizeof(FilterConstants));
@@ -204,27 +230,47 @@ Status Renderer::start() {
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
     queries.queryCount = kTimestampCount;
     vk_check(vkCreateQueryPool(device_.handle, &queries, nullptr, &timestamps_), "vkCreateQueryPool");
-    ensure_mesh_pass({LayerReading::kDirect, {}, {}, false});
+    ensure_mesh_pass({LayerReading::kDirect, {}, {}, false, {}, RESIDENT_KIND_PRISMS});
     return Done{};
 }
 
 uint64_t Renderer::frame_buffer_bytes() const {
-    return memory_bytes(target_) + tables_.bytes + facade_indices_.bytes + keys_.bytes;
+    return memory_bytes(target_) + tables_.bytes + facade_indices_.bytes + keys_.bytes + refiner_->buffer_bytes() +
+           strips_->bytes_allocated();
 }
 
 Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
     try {
         const bool is_begin = is_live(pool_, layer) && pool_.layers[layer].words == 0;
-        coordinates_.make_room(slots_to_append(pool_, layer, words.size()), pool_);
+        refiner_->settle(layer);
+        make_room(slots_to_append(pool_, layer, words.size()));
         Status status = append_words(pool_, layer, words);
         if (is_begin && status.ok()) {
             map_facts_.resize(pool_.layers.size());
             map_facts_[layer] = facade_map_facts(words);
+            strips_->learn(layer, words);
         }
         return status;
     } catch (const VulkanError& error) {
         return Error{error.what()};
     }
+}
+
+Result<uint64_t> Renderer::refine(LayerId layer, uint64_t begin, std::span<const uint32_t> planes, uint32_t to_level) {
+    try {
+        const Result<LayerRefinement> refinement = refiner_->plan(layer, begin, planes.size(), to_level);
+        if (!refinement) return refinement.error();
+        make_room(refinement->slots());
+        if (const Status status = refiner_->add(*refinement, planes); !status) return status.error();
+        return 4 * refinement->words;
+    } catch (const VulkanError& error) {
+        return Error{error.what()};
+    }
+}
+
+void Renderer::make_room(uint64_t slots) {
+    refiner_->make_room(slots);
+    coordinates_.make_room(slots, pool_);
 }
 
 void Renderer::ensure_tables(uint64_t words) {
@@ -281,7 +327,7 @@ bool Renderer::ensure_facade_passes(const DrawnTile& drawn) {
 bool Renderer::ensure_passes() {
     bool made = false;
     for (const DrawnTile& drawn : drawn_) {
-        made |= ensure_mesh_pass(drawn.mesh);
+        for (const auto& range : drawn.tile->mesh_ranges) made |= ensure_mesh_pass(drawn.mesh_of(range));
         if (drawn.casters != 0) made |= ensure_facade_passes(drawn);
     }
     return made;
@@ -305,6 +351,7 @@ void Renderer::warm_up(const Pass& pass, uint32_t vertices) {
     TileConstants tile{};
     for (uint32_t* reference : {tile.mesh, tile.atlas, tile.facade, tile.shared_charts})
         split(tables_.address | LAYER_REF_DIRECT, reference);
+    split(tables_.address, tile.corners);
     // One placement, of which the tile has no map.
     constexpr uint64_t kTable = kZeroWords / 2 * 4;
     FacadeTableHead head{};
@@ -345,6 +392,9 @@ Result<Renderer::DrawnTile> Renderer::add_to_tables(FrameTables& tables, const T
     const auto constants = tables.add_tile(tile, cell);
     if (!constants) return constants.error();
     DrawnTile drawn{&tile, *constants, casters_of(tile), {}, nullptr};
+    const auto first_strip = strips_->add(tile, joined(constants->mesh), !has_facades(tile));
+    if (!first_strip) return first_strip.error();
+    drawn.first_strip = *first_strip;
     if (in_pages(tile)) {
         const CoordinateLayers::Coordinates& coordinates = coordinates_.of(tile, pool_);
         const Status named = tables.add_coordinates(coordinates.layer, drawn.constants);
@@ -370,6 +420,7 @@ Status Renderer::write_tables(const Camera& camera, std::span<const TileDraw> ti
     ensure_tables(FrameTables::bound(pool_, tiles));
     const CameraCell cell = camera_cell(camera.position);
     frame_ = make_frame_constants(camera, cell, options_.facade_tint);
+    strips_->begin_frame();
     FrameTables tables(pool_, tables_.address, map_facts_, facade_table_head());
     drawn_.clear();
     for (const size_t i : front_to_back(camera, tiles)) {
@@ -388,39 +439,55 @@ void Renderer::mark(VkCommandBuffer commands, Timestamp stamp) const {
     vkCmdWriteTimestamp(commands, stage, timestamps_, stamp);
 }
 
-void Renderer::record_triangles(VkCommandBuffer commands, uint32_t first, uint32_t count) {
+// Shaders take the range from the instance.
+void Renderer::record_triangles(VkCommandBuffer commands, uint32_t range, uint32_t first, uint32_t count) {
     const uint32_t piece = device_.is_cpu ? kSoftwarePiece : 3 * count;
     for (uint32_t begin = 0; begin < 3 * count; begin += piece) {
-        vkCmdDraw(commands, std::min(piece, 3 * count - begin), 1, 3 * first + begin, 0);
+        vkCmdDraw(commands, std::min(piece, 3 * count - begin), 1, 3 * first + begin, range);
         ++counts_.mesh_draws;
     }
 }
 
-// The first `triangles`, one draw for each run, its chart in the push constants.
-void Renderer::record_runs(VkCommandBuffer commands, const DrawnTile& drawn, const Pass& pass, uint32_t triangles) {
+// One draw for each run of a range, its chart in the push constants. Returns the first run of a later range.
+const ChartRun* Renderer::record_runs(VkCommandBuffer commands, const Pass& pass, uint32_t range, const ChartRun* run,
+                                      const ChartRun* end) {
     constexpr uint32_t kChart = offsetof(DrawConstants, tile) + offsetof(TileConstants, shared_charts);
-    uint32_t first = 0;
-    for (const ChartRun& run : *drawn.runs) {
-        if (first >= triangles) return;
-        vkCmdPushConstants(commands, pass.layout, kDrawStages, kChart, sizeof run.words, run.words.data());
-        record_triangles(commands, first, std::min(run.triangles, triangles - first));
-        first += run.triangles;
+    for (; run != end && run->range == range; ++run) {
+        vkCmdPushConstants(commands, pass.layout, kDrawStages, kChart, sizeof run->words, run->words.data());
+        record_triangles(commands, range, run->first, run->triangles);
+    }
+    return run;
+}
+
+// The ranges that the round draws: all but strip code in the first, strip code when its corners are there.
+void Renderer::record_tile(VkCommandBuffer commands, const DrawnTile& drawn, uint32_t round, VkPipeline& bound) {
+    const auto& ranges = drawn.tile->mesh_ranges;
+    const bool dressed = !has_facades(*drawn.tile);
+    size_t strip = drawn.first_strip;
+    const ChartRun* run = drawn.runs != nullptr ? drawn.runs->data() : nullptr;
+    const ChartRun* runs_end = drawn.runs != nullptr ? run + drawn.runs->size() : nullptr;
+    TileConstants constants = drawn.constants;
+    for (uint32_t range = 0; range < ranges.size(); ++range) {
+        if (ranges[range].dressed && !dressed) continue;
+        const bool is_strips = ranges[range].kind == RESIDENT_KIND_STRIP_CODE;
+        const StripPlace place = is_strips ? strips_->place(strip++) : StripPlace();
+        if (place.round != round) continue;
+        while (run != runs_end && run->range < range) ++run;
+        const Pass& pass = mesh_.at(drawn.mesh_of(ranges[range]));
+        split(place.corners, constants.corners);
+        bind_for(commands, pass, constants, bound);
+        if (drawn.runs != nullptr) {
+            run = record_runs(commands, pass, range, run, runs_end);
+        } else {
+            record_triangles(commands, range, 0, ranges[range].triangles);
+        }
     }
 }
 
-void Renderer::record_meshes(VkCommandBuffer commands) {
+void Renderer::record_meshes(VkCommandBuffer commands, uint32_t round) {
     VkPipeline bound = VK_NULL_HANDLE;
     for (const DrawnTile& drawn : drawn_) {
-        const TileDraw& tile = *drawn.tile;
-        const uint32_t triangles = has_facades(tile) ? tile.mesh_dressed_begin : tile.mesh_triangles;
-        if (tile.mesh == kNoLayer || triangles == 0) continue;
-        const Pass& pass = mesh_.at(drawn.mesh);
-        bind_for(commands, pass, drawn.constants, bound);
-        if (drawn.runs != nullptr) {
-            record_runs(commands, drawn, pass, triangles);
-        } else {
-            record_triangles(commands, 0, triangles);
-        }
+        if (drawn.tile->mesh != kNoLayer) record_tile(commands, drawn, round, bound);
     }
 }
 
@@ -489,9 +556,17 @@ void Renderer::record_frame(VkCommandBuffer commands) {
     const bool facades = std::any_of(drawn_.begin(), drawn_.end(), [](const DrawnTile& d) { return d.casters != 0; });
     if (device_.timestamp_nanoseconds != 0) vkCmdResetQueryPool(commands, timestamps_, 0, kTimestampCount);
     mark(commands, kBegin);
+    refiner_->record(commands);
     begin_target(commands, target_);
-    begin_pass(commands, target_, target_.clear_pass, clear_.data());
-    record_meshes(commands);
+    for (uint32_t round = 0; round < strips_->round_count(); ++round) {
+        if (round > 0) {
+            vkCmdEndRenderPass(commands);
+            barrier_between_passes(commands);
+        }
+        strips_->record_round(commands, round);
+        begin_pass(commands, target_, round == 0 ? target_.clear_pass : target_.load_pass, clear_.data());
+        record_meshes(commands, round);
+    }
     mark(commands, kMeshDone);
     if (facades) record_occluders(commands);
     vkCmdEndRenderPass(commands);
@@ -529,15 +604,22 @@ Result<FrameImage> Renderer::draw(const Camera& camera, std::span<const TileDraw
     FrameTimings measured;
     try {
         auto record_begin = Clock::now();
+        // Coordinates are made from words of meshes.
+        if (coordinates_.wanted() != ChartTransport::kTable) refiner_->run();
         if (const Status status = write_tables(camera, tiles); !status) return status.error();
         if (ensure_passes()) {
             record_begin = Clock::now();
             if (const Status status = write_tables(camera, tiles); !status) return status.error();
         }
+        if (const Status status = strips_->plan(); !status) return status.error();
+        counts_.strip_rounds = strips_->counts().rounds;
+        counts_.decoded_strip_triangles = strips_->counts().decoded_triangles;
         submit_and_wait(device_, [&](VkCommandBuffer commands) {
             record_frame(commands);
             measured.cpu_record_ms = milliseconds_since(record_begin);
         });
+        refiner_->finish();
+        strips_->finish_frame();
         read_timestamps(measured);
         const auto readback_begin = Clock::now();
         FrameImage image = read_frame();

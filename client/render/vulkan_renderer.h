@@ -30,6 +30,9 @@ struct RendererOptions {
     /// How charts in pages come to the vertex shader. Coordinates of kAttribute and kPacked take room that
     /// layers leave in the budget (FrameCounts).
     ChartTransport chart_transport = ChartTransport::kTable;
+    /// Memory for decoded strip code (strip_arena.h), taken when the first is drawn, beside gpu_budget_bytes. Frames
+    /// that need more are drawn in rounds; one range at least must fit.
+    uint64_t index_arena_bytes = 64ull << 20;
     codec::atlas::FacadeTint facade_tint;  ///< of walls; none by default
     bool validation = false;               ///< Khronos validation with synchronization validation; messages are counted
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h

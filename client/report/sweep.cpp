@@ -141,6 +141,7 @@ Result<FlightOptions> flight_options(const SweepOptions& options, const Setting&
     out.renderer.facade_samples = options.facade_samples;
     out.streamer.tolerance_pixels = options.tolerance_pixels;
     out.streamer.texel_tolerance_pixels = options.texel_tolerance_pixels;
+    out.streamer.position_tolerance_pixels = options.position_tolerance_pixels;
     out.streamer.host_budget_bytes = options.host_budget_bytes;
     out.streamer.relief = options.relief;
     if (setting.knob == "tolerance") {
@@ -149,6 +150,8 @@ Result<FlightOptions> flight_options(const SweepOptions& options, const Setting&
         out.streamer.relief.tolerance_pixels = setting.value;
     } else if (setting.knob == "texel-tolerance") {
         out.streamer.texel_tolerance_pixels = setting.value;
+    } else if (setting.knob == "position-tolerance") {
+        out.streamer.position_tolerance_pixels = setting.value;
     } else if (setting.knob == "gpu-budget") {
         out.renderer.gpu_budget_bytes = static_cast<uint64_t>(setting.value * (1 << 20));
     } else if (setting.knob == "map-level") {
@@ -199,7 +202,8 @@ Result<SettingResult> Sweep::fly(const Setting& setting, SweepResult& result) {
 }  // namespace
 
 std::string Setting::label() const {
-    if (is_named() || knob == "rate-distortion") return value_text();
+    const bool is_count = knob == "rate-distortion" || knob == "normal-bits";
+    if (is_named() || is_count) return value_text();
     return fmt::format("{:g} {}", value, knob == "gpu-budget" ? "MiB" : "px");
 }
 

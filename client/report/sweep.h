@@ -18,9 +18,11 @@ namespace citystream::client {
 
 /// One setting of one knob; all others stay at the defaults of SweepOptions.
 struct Setting {
-    /// "tolerance", "relief-tolerance" or "texel-tolerance" (pixels), "gpu-budget" (MiB), "map-level",
-    /// "facade-renderer" or "facade-samples" (names as citystream-fly takes them); of the archive that is flown
-    /// "saliency" (a name as citystream-build takes it), "rate-distortion" (a number), "archive" (a name of its own).
+    /// "tolerance", "relief-tolerance", "texel-tolerance" or "position-tolerance" (pixels), "gpu-budget" (MiB),
+    /// "map-level", "facade-renderer" or "facade-samples" (names as citystream-fly takes them); of the archive that is
+    /// flown "saliency" (a name as citystream-build takes it), "rate-distortion" and "normal-bits" (numbers),
+    /// "mesh-transport", "mesh-topology", "precision" and "mesh-steps" (names as citystream-build takes them),
+    /// "archive" (a name of its own).
     std::string knob;
     double value = 0;   ///< of a knob that has numbers
     std::string name;   ///< of a knob that has names
@@ -44,7 +46,7 @@ struct SweepOptions {
     uint32_t width = 1280, height = 720;
     uint32_t supersample = 1;
     double tolerance_pixels = 1;
-    std::optional<double> texel_tolerance_pixels;
+    std::optional<double> texel_tolerance_pixels, position_tolerance_pixels;
     ReliefOptions relief;
     FacadeRenderer facade_renderer = FacadeRenderer::kPatch;
     uint32_t facade_samples = kFacadeSamples;

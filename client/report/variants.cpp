@@ -6,9 +6,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -39,7 +41,9 @@ Status run_program(const std::vector<std::string>& command) {
 }  // namespace
 
 bool is_built(const std::string& knob) {
-    return knob == "saliency" || knob == "rate-distortion";
+    constexpr std::array<std::string_view, 7> kBuilt = {
+        "saliency", "rate-distortion", "mesh-transport", "normal-bits", "mesh-topology", "precision", "mesh-steps"};
+    return std::find(kBuilt.begin(), kBuilt.end(), knob) != kBuilt.end();
 }
 
 std::string find_builder() {

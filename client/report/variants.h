@@ -1,5 +1,5 @@
-// The knobs of a report that are turned when a city is built (saliency, rate-distortion strength): builds the city once
-// per setting with citystream-build, so that a sweep can fly the archives side by side.
+// The knobs of a report that are turned when a city is built (saliency, rate-distortion strength, the form of
+// meshes): builds the city once per setting with citystream-build, so that a sweep can fly the archives side by side.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,8 @@ struct VariantOptions {
     std::function<void(const std::string& line)> progress;
 };
 
-/// Whether a knob's settings are archives of their own: "saliency" and "rate-distortion".
+/// Whether a knob's settings are archives of their own: "saliency", "rate-distortion", "mesh-transport", "normal-bits",
+/// "mesh-topology", "precision" and "mesh-steps", each the name of an option of citystream-build.
 bool is_built(const std::string& knob);
 
 /// citystream-build beside the running program; its plain name (to be found by PATH) where there is none.

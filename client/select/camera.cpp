@@ -4,10 +4,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "codec/grid.h"
+
 namespace citystream::client {
 namespace {
 
 using Vector = std::array<double, 3>;
+
+constexpr int kFractionBits = 6;  // of a grid unit: 2^-16 m
+/// Metres: farther away than this, cameras are taken for nearer ones.
+constexpr double kFarthest = 0x1p40;
 
 double dot(const Vector& a, const Vector& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -80,6 +86,18 @@ bool Camera::sees(const tiles::tileset::Bounds& bounds, const std::array<double,
            greatest_along(box, scaled_sum(forward, tan_x, right, 1)) >= 0 &&
            greatest_along(box, scaled_sum(forward, tan_y, up, -1)) >= 0 &&
            greatest_along(box, scaled_sum(forward, tan_y, up, 1)) >= 0;
+}
+
+CameraCell camera_cell(const std::array<double, 3>& position) {
+    CameraCell result;
+    for (size_t i = 0; i < 3; ++i) {
+        const int64_t fixed =
+            std::llround(std::clamp(position[i], -kFarthest, kFarthest) * kGridUnitsPerMetre * (1 << kFractionBits));
+        result.cell[i] = fixed >> kFractionBits;
+        const int64_t rest = fixed - (result.cell[i] << kFractionBits);
+        result.fraction[i] = static_cast<float>(static_cast<double>(rest) * kMetresPerGridUnit / (1 << kFractionBits));
+    }
+    return result;
 }
 
 }  // namespace citystream::client

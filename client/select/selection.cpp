@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "client/cache/decode_scratch.h"
+
 namespace citystream::client {
 
 using tiles::tileset::kLayerCount;
@@ -21,15 +23,15 @@ double raised(double tolerance, int k) {
 }
 
 bool fits(const SelectionCost& cost, const SelectionBudget& budget) {
-    const uint64_t host = cost.wire_bytes + cost.layers * budget.host_bytes_per_layer + 2 * cost.largest_decoded;
+    const uint64_t host = cost.wire_bytes + cost.layers * budget.host_bytes_per_layer + cost.largest_scratch;
     return cost.slots <= budget.slots && host <= budget.host_bytes;
 }
 
-void add_layer_cost(uint64_t wire, uint64_t decoded, uint64_t slot_bytes, SelectionCost& cost) {
+void add_layer_cost(Layer layer, uint64_t wire, uint64_t decoded, uint64_t slot_bytes, SelectionCost& cost) {
     cost.wire_bytes += wire;
     ++cost.layers;
     cost.slots += (decoded + slot_bytes - 1) / slot_bytes;
-    cost.largest_decoded = std::max(cost.largest_decoded, decoded);
+    cost.largest_scratch = std::max(cost.largest_scratch, decode_scratch_bytes(layer, decoded));
 }
 
 }  // namespace
@@ -91,6 +93,7 @@ void Selector::begin_camera(const Camera& camera, double tolerance) {
     camera_ = camera;
     relief_ratio_ = relief_.tolerance_pixels && tolerance > 0 ? *relief_.tolerance_pixels / tolerance : 1;
     texel_ratio_ = texel_tolerance_ && tolerance > 0 ? *texel_tolerance_ / tolerance : 1;
+    position_ratio_ = position_tolerance_ && tolerance > 0 ? *position_tolerance_ / tolerance : kPositionShare;
     ++view_stamp_;
     views_.resize(directory_.nodes().size());
 }
@@ -159,11 +162,12 @@ void Selector::take(NodeIndex index, const View& view, Selection& out) {
     SelectedTile tile;
     tile.node = index;
     tile.pixels_per_metre = view.pixels_per_metre;
-    for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
-        tile.steps[static_cast<size_t>(layer)] =
-            shortest_prefix(node.record->steps(layer), usable_steps(node, known, layer), view.pixels_per_metre,
-                            layer == Layer::kAtlas ? out.texel_tolerance : out.tolerance);
-    }
+    tile.steps[static_cast<size_t>(Layer::kMesh)] =
+        mesh_prefix(node.record->steps(Layer::kMesh), usable_steps(node, known, Layer::kMesh),
+                    granted_in(out.positions, node.record->bounds, directory_.manifest().origin));
+    tile.steps[static_cast<size_t>(Layer::kAtlas)] =
+        shortest_prefix(node.record->steps(Layer::kAtlas), usable_steps(node, known, Layer::kAtlas),
+                        view.pixels_per_metre, out.texel_tolerance);
     const double relief_pixels = node.record->flat_facade_error * view.pixels_per_metre;
     if (with_relief_ && relief_pixels > out.tolerance * relief_ratio_ &&
         has_usable_relief(directory_, knowledge_, index)) {
@@ -205,8 +209,8 @@ void Selector::add_cost(const SelectedTile& tile, uint64_t slot_bytes, Selection
     for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
         const uint32_t steps = tile.steps_of(layer);
         if (steps == 0) continue;
-        add_layer_cost(wire_prefix_bytes(record.steps(layer), steps), decoded_prefix_bytes(record.steps(layer), steps),
-                       slot_bytes, cost);
+        add_layer_cost(layer, wire_prefix_bytes(record.steps(layer), steps),
+                       decoded_prefix_bytes(record.steps(layer), steps), slot_bytes, cost);
     }
     if (tile.has_relief()) add_relief_cost(tile, slot_bytes, cost);
     add_chart_cost(tile, slot_bytes, cost);
@@ -226,7 +230,7 @@ void Selector::add_chart_cost(const SelectedTile& tile, uint64_t slot_bytes, Sel
         const uint64_t decoded = dictionary.decoded_bytes(wanted);
         cost.slots += slots(decoded) - slots(dictionary.decoded_bytes(counted.prefix));
         cost.wire_bytes += dictionary.wire_bytes(wanted) - dictionary.wire_bytes(counted.prefix);
-        cost.largest_decoded = std::max(cost.largest_decoded, decoded);
+        cost.largest_scratch = std::max(cost.largest_scratch, decode_scratch_bytes(Layer::kAtlas, decoded));
         counted.prefix = wanted;
     }
 }
@@ -235,12 +239,13 @@ void Selector::add_chart_cost(const SelectedTile& tile, uint64_t slot_bytes, Sel
 void Selector::add_relief_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost) {
     const auto& placements = directory_.node(tile.node).record->steps(Layer::kFacade);
     const uint32_t steps = tile.steps_of(Layer::kFacade);
-    add_layer_cost(wire_prefix_bytes(placements, steps), decoded_prefix_bytes(placements, steps), slot_bytes, cost);
+    add_layer_cost(Layer::kFacade, wire_prefix_bytes(placements, steps), decoded_prefix_bytes(placements, steps),
+                   slot_bytes, cost);
     for (const MapPiece piece : tile.pieces) {
         if (piece_seen_[piece] == cost_stamp_) continue;
         piece_seen_[piece] = cost_stamp_;
-        add_layer_cost(knowledge_.dictionary.wire_bytes(piece), knowledge_.dictionary.resident_bytes(piece), slot_bytes,
-                       cost);
+        add_layer_cost(Layer::kFacade, knowledge_.dictionary.wire_bytes(piece),
+                       knowledge_.dictionary.resident_bytes(piece), slot_bytes, cost);
     }
 }
 
@@ -248,6 +253,8 @@ void Selector::run(double tolerance, uint64_t slot_bytes, Selection& out) {
     out = {};
     out.tolerance = tolerance;
     out.texel_tolerance = tolerance * texel_ratio_;
+    out.position_tolerance = tolerance * position_ratio_;
+    out.positions = position_rule(camera_, out.position_tolerance);
     if (!directory_.nodes().empty()) visit(0, out);
     std::sort(out.subtrees.begin(), out.subtrees.end());
     out.subtrees.erase(std::unique(out.subtrees.begin(), out.subtrees.end()), out.subtrees.end());
@@ -264,28 +271,21 @@ Selection Selector::select(const Camera& camera, double tolerance, uint64_t slot
     return selection;
 }
 
-/// The smallest k whose choice fits, kSteepest when none does; `out` is that choice.
+/// The smallest k whose choice fits, kSteepest when none does; `out` is that choice. One after the other: a coarser
+/// choice may cost more, and then what bisection finds would depend on how much of the dropped ones is known. What a
+/// finer choice would cost is known when its subtrees are here: they are asked for, too.
 int Selector::search(double tolerance, const SelectionBudget& budget, Selection& out) {
-    const auto try_step = [&](int k) {
-        Selection tried;
-        run(raised(tolerance, k), budget.slot_bytes, tried);
-        tried.fits = fits(tried.cost, budget);
-        const bool ok = tried.fits;
-        if (ok || k == kSteepest) out = std::move(tried);
-        return ok;
-    };
-    if (try_step(0)) return 0;
-    int low = 0, high = 1;  // low does not fit
-    while (!try_step(high)) {
-        if (high == kSteepest) return kSteepest;
-        low = high;
-        high = std::min(2 * high, kSteepest);
+    std::vector<tiles::tileset::TileAddress> missing;
+    for (int k = 0;; ++k) {
+        run(raised(tolerance, k), budget.slot_bytes, out);
+        out.fits = fits(out.cost, budget);
+        missing.insert(missing.end(), out.subtrees.begin(), out.subtrees.end());
+        if (!out.fits && k < kSteepest) continue;
+        std::sort(missing.begin(), missing.end());
+        missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+        out.subtrees = std::move(missing);
+        return k;
     }
-    while (high - low > 1) {
-        const int middle = (low + high) / 2;
-        (try_step(middle) ? high : low) = middle;
-    }
-    return high;
 }
 
 Selection Selector::select_within(const Camera& camera, double tolerance, const SelectionBudget& budget) {

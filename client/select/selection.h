@@ -1,5 +1,7 @@
 // The one rule: for every visible tile and layer the shortest prefix, and for every facade the coarsest level of its
 // map, whose error, projected to the screen, is below the tolerance; and for every shared chart the shortest prefix.
+// Which tiles there are is a matter of the geometry's own error, how many steps of their meshes one of positions
+// (position_rule.h).
 #pragma once
 
 #include <array>
@@ -12,6 +14,7 @@
 #include "client/select/city_knowledge.h"
 #include "client/select/depth_picture.h"
 #include "client/select/placement_levels.h"
+#include "client/select/position_rule.h"
 
 namespace citystream::client {
 
@@ -33,12 +36,14 @@ struct SelectionCost {
                               ///< every known shared chart once
     uint64_t wire_bytes = 0;  ///< of all selected prefixes, maps and charts
     uint64_t layers = 0;      ///< number of them
-    uint64_t largest_decoded = 0;  ///< bytes of the largest single prefix: what decoding needs beside it
+    uint64_t largest_scratch = 0;  ///< bytes: the most that decoding a single prefix takes (decode_scratch.h)
 };
 
 struct Selection {
     double tolerance = 0;             ///< pixels: what the tiles were chosen with
     double texel_tolerance = 0;       ///< pixels: the same of texels
+    double position_tolerance = 0;    ///< pixels: the same of positions
+    PositionRule positions;           ///< that follows from it
     std::vector<SelectedTile> tiles;  ///< depth first: neighbours in the tree are neighbours here
     std::vector<NodeIndex> refined;   ///< tiles whose children were looked at instead, also where none of those shows
     std::vector<tiles::tileset::TileAddress> subtrees;  ///< not loaded yet, but needed to refine
@@ -50,7 +55,7 @@ struct Selection {
     bool fits = true;     ///< false: even the coarsest choice breaks a budget, and far tiles were left out
 };
 
-/// Limits of a selection. Wire bytes of all that is selected are kept in host memory beside `2 x largest_decoded`.
+/// Limits of a selection. Wire bytes of all that is selected are kept in host memory beside `largest_scratch`.
 struct SelectionBudget {
     uint64_t slot_bytes = 1;
     uint64_t slots = ~uint64_t{0};
@@ -58,23 +63,32 @@ struct SelectionBudget {
     uint64_t host_bytes_per_layer = 0;  ///< book-keeping of a layer, beside its wire bytes
 };
 
+/// Share of the tolerance that positions take where nothing else is asked for: five bits more a coordinate than with
+/// all of it, and edges stay where they are.
+inline constexpr double kPositionShare = 1.0 / 32;
+
 /// Walks the directory for cameras. Results depend on its arguments only; the object holds scratch memory (one thread
 /// at a time).
 class Selector {
   public:
     /// `texel_tolerance`: pixels that texels of atlases and shared charts may project to, at the tolerance that is
     /// asked for; when that is raised for the budgets, so is this. Empty: as all errors. It changes what is taken of a
-    /// tile, not which tiles: inner tiles have no finer texels than their own error allows.
+    /// tile, not which tiles: inner tiles have no finer texels than their own error allows. `position_tolerance`: the
+    /// same of the pixels that a vertex may be off its place (position_rule.h); empty: kPositionShare of all errors.
     Selector(const DirectoryCache& directory, const CityKnowledge& knowledge, const ReliefOptions& relief = {},
-             std::optional<double> texel_tolerance = {})
-        : directory_(directory), knowledge_(knowledge), relief_(relief), texel_tolerance_(texel_tolerance) {}
+             std::optional<double> texel_tolerance = {}, std::optional<double> position_tolerance = {})
+        : directory_(directory),
+          knowledge_(knowledge),
+          relief_(relief),
+          texel_tolerance_(texel_tolerance),
+          position_tolerance_(position_tolerance) {}
 
     /// The rule at exactly this tolerance, whatever it costs. O(visible tiles and their ancestors).
     Selection select(const Camera& camera, double tolerance, uint64_t slot_bytes);
 
-    /// The rule at the smallest tolerance tolerance * 2^(k/4), k = 0, 1, ..., whose cost fits (searched by doubling and
-    /// bisection). Where relief alone would more than double the tolerance, it is left flat instead, nearest tiles
-    /// served first: maps that were converted for a renderer can be a thousand times larger than the rest.
+    /// The rule at the smallest tolerance tolerance * 2^(k/4), k = 0, 1, ..., whose cost fits. Where relief alone would
+    /// more than double the tolerance, it is left flat instead, nearest tiles served first: maps that were converted
+    /// for a renderer can be a thousand times larger than the rest.
     Selection select_within(const Camera& camera, double tolerance, const SelectionBudget& budget);
 
     /// From now on: tiles that the picture hides (null: none does) are not visible, and those that are farther away
@@ -87,6 +101,9 @@ class Selector {
     /// Of the camera of the last selection, for any node of the directory.
     bool visible(NodeIndex node) { return view_of(node).visible; }
     double pixels_per_metre(NodeIndex node) { return view_of(node).pixels_per_metre; }  ///< of a visible node
+    double distance(NodeIndex node) {
+        return view_of(node).distance;
+    }  ///< metres to the nearest point of a visible node
     /// Where a chart of a visible node is nearest.
     double chart_pixels_per_metre(NodeIndex node, uint32_t chart_in_tile) {
         return chart_pixels_per_metre(knowledge_.tiles[node], chart_in_tile, view_of(node));
@@ -118,9 +135,9 @@ class Selector {
     const CityKnowledge& knowledge_;
     ReliefOptions relief_;
     bool with_relief_ = true;  ///< false while the choice without any relief is searched
-    std::optional<double> texel_tolerance_;
-    double relief_ratio_ = 1;  ///< tolerance of flat relief / tolerance: they are raised together
-    double texel_ratio_ = 1;   ///< the same of texels
+    std::optional<double> texel_tolerance_, position_tolerance_;
+    double relief_ratio_ = 1;                      ///< tolerance of flat relief / tolerance: they are raised together
+    double texel_ratio_ = 1, position_ratio_ = 1;  ///< the same of texels, and of positions
     Camera camera_;
     const DepthPicture* picture_ = nullptr;
     double horizon_ = std::numeric_limits<double>::infinity();

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "codec/chart_word.h"
+#include "codec/mesh/mesh_triangles.h"
 
 namespace citystream::client {
 
@@ -34,20 +35,18 @@ std::array<double, 3> tile_corner(const DirectoryCache& directory, NodeIndex nod
     return {to_metres(at.x - city.x), to_metres(at.y - city.y), to_metres(at.z)};
 }
 
-std::vector<ChartBox> chart_boxes_of(const codec::mesh::MeshLayerView& mesh, const std::array<double, 3>& corner,
-                                     double margin) {
+std::vector<ChartBox> chart_boxes_of(const codec::mesh::MeshContent& mesh, uint32_t steps,
+                                     const std::array<double, 3>& corner, double margin) {
     std::unordered_map<uint32_t, Bounds> boxes;
-    for (uint32_t triangle = 0; triangle < mesh.triangle_count(); ++triangle) {
-        const uint32_t chart = mesh.chart_word(triangle);
-        if (codec::names_colour(chart)) continue;
-        Bounds& box = boxes.try_emplace(chart, Bounds{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}}).first->second;
-        for (uint32_t i = 0; i < 3; ++i) {
-            int32_t grid[3];
-            mesh.position(mesh.index(3 * triangle + i), grid);
-            include(box,
-                    {corner[0] + to_metres(grid[0]), corner[1] + to_metres(grid[1]), corner[2] + to_metres(grid[2])});
+    codec::mesh::for_each_triangle(mesh, steps, [&](const codec::mesh::PlacedTriangle& triangle) {
+        if (codec::names_colour(triangle.chart_word)) return;
+        Bounds& box =
+            boxes.try_emplace(triangle.chart_word, Bounds{{kFar, kFar, kFar}, {-kFar, -kFar, -kFar}}).first->second;
+        for (const auto& place : triangle.places) {
+            include(box, {corner[0] + to_metres(place[0]), corner[1] + to_metres(place[1]),
+                          corner[2] + to_metres(place[2])});
         }
-    }
+    });
     std::vector<ChartBox> out;
     out.reserve(boxes.size());
     for (auto& [chart, box] : boxes) {

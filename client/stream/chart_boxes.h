@@ -7,7 +7,7 @@
 
 #include "client/cache/directory_cache.h"
 #include "client/select/city_knowledge.h"
-#include "codec/mesh/mesh_layer.h"
+#include "codec/mesh/mesh_content.h"
 
 namespace citystream::client {
 
@@ -18,9 +18,10 @@ bool learns_chart_boxes(const DirectoryCache& directory, NodeIndex node);
 /// Where a tile's mesh counts from: metres, as TileRecord::bounds.
 std::array<double, 3> tile_corner(const DirectoryCache& directory, NodeIndex node);
 
-/// Of every chart that a triangle shows, ascending, each `margin` metres larger than its triangles: by how much finer
-/// steps of the mesh may move them. Memory and time: O(triangles), whatever the charts' numbers.
-std::vector<ChartBox> chart_boxes_of(const codec::mesh::MeshLayerView& mesh, const std::array<double, 3>& corner,
-                                     double margin);
+/// Of every chart that a triangle shows with the first `steps` steps of a mesh, ascending, each `margin` metres larger
+/// than its triangles: by how much finer steps of the mesh may move them. Memory and time: O(triangles), whatever the
+/// charts' numbers.
+std::vector<ChartBox> chart_boxes_of(const codec::mesh::MeshContent& mesh, uint32_t steps,
+                                     const std::array<double, 3>& corner, double margin);
 
 }  // namespace citystream::client

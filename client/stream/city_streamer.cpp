@@ -64,7 +64,8 @@ class Streamer final : public CityStreamer {
           options_(options),
           directory_(std::move(manifest), options.directory_pool),
           cache_(store, host_),
-          selector_(directory_, knowledge_, options.relief, options.texel_tolerance_pixels),
+          selector_(directory_, knowledge_, options.relief, options.texel_tolerance_pixels,
+                    options.position_tolerance_pixels),
           maps_(knowledge_, cache_, host_, warnings_, counters_, map_options(options)),
           charts_(knowledge_, cache_, host_, warnings_, counters_, options.decode),
           residency_(directory_, knowledge_, cache_, host_, maps_, charts_, warnings_, counters_, options.decode),
@@ -120,6 +121,12 @@ class Streamer final : public CityStreamer {
     void abandon_requests();
     uint64_t dictionary_changes() const { return knowledge_.dictionary.changes() + knowledge_.charts.changes(); }
     bool stopped() const { return options_.stop != nullptr && options_.stop->load(); }
+    /// How far vertices may be off their places, in tolerances, which is raised with them.
+    double most_tolerance_share() const {
+        const double positions =
+            options_.position_tolerance_pixels.value_or(kPositionShare * options_.tolerance_pixels);
+        return std::max(1.0, positions / options_.tolerance_pixels);
+    }
 
     const std::vector<TileDraw>& make_draws();
     bool is_selected(NodeIndex node) const { return node < marks_.size() && marks_[node].selected == serial_; }
@@ -216,7 +223,7 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
 void Streamer::advance_waiting(const Camera& camera) {
     double tolerance = options_.tolerance_pixels;
     do {
-        if (options_.occlusion && options_.decode) occlusion_.begin(camera, tolerance);
+        if (options_.occlusion && options_.decode) occlusion_.begin(camera, tolerance * most_tolerance_share());
         if (!fetch_all_in_sight(camera)) {
             occlusion_.look_everywhere();
             choose(camera);
@@ -387,7 +394,7 @@ void Streamer::trim_to_budget() {
         }
         if (entry.wire_bytes > wire) wire_surplus += entry.wire_bytes - wire;
     });
-    const uint64_t need = selection_.cost.wire_bytes + wire_surplus + 2 * selection_.cost.largest_decoded;
+    const uint64_t need = selection_.cost.wire_bytes + wire_surplus + selection_.cost.largest_scratch;
     if (host_.fixed + host_.in_flight + need <= host_.budget) return;
     visit_needed_layers(
         [&](CachedLayer& entry, uint32_t steps, uint64_t, uint64_t) { cache_.drop_wire_from(entry, steps); });
@@ -415,7 +422,7 @@ void Streamer::count_hits() {
 /// For bytes that only save requests.
 bool Streamer::has_host_room() const {
     constexpr uint64_t kRoom = 1 << 20;
-    const uint64_t needed = host_.fixed + selection_.cost.wire_bytes + 2 * selection_.cost.largest_decoded;
+    const uint64_t needed = host_.fixed + selection_.cost.wire_bytes + selection_.cost.largest_scratch;
     return needed + kRoom <= host_.budget;
 }
 
@@ -436,7 +443,7 @@ std::vector<PlannedRequest> Streamer::plan(const Camera& camera, bool directory_
 
 /// Room for the answer, and beside it for decoding the largest layer, is made before the request is sent.
 bool Streamer::admit(const PlannedRequest& request) {
-    return cache_.free_host(most_host_bytes_of(request) + 2 * selection_.cost.largest_decoded);
+    return cache_.free_host(most_host_bytes_of(request) + selection_.cost.largest_scratch);
 }
 
 void Streamer::submit(const PlannedRequest& request) {

@@ -25,8 +25,9 @@ class DirectoryPool;
 
 struct StreamerOptions {
     double tolerance_pixels = 1.0;
-    std::optional<double> texel_tolerance_pixels;  ///< of texels (Selector); empty: as all errors
-    uint64_t host_budget_bytes = 1ull << 30;       ///< wire bytes kept, decode buffers, directory: hard
+    std::optional<double> texel_tolerance_pixels;     ///< of texels (Selector); empty: as all errors
+    std::optional<double> position_tolerance_pixels;  ///< of positions; empty: kPositionShare of all errors
+    uint64_t host_budget_bytes = 1ull << 30;          ///< wire bytes kept, decode buffers, directory: hard
     bool wait_for_selection =
         true;  ///< offline mode: update() returns when the frame has all it asked for (or it failed for good)
     /// What near surfaces hide is neither fetched nor drawn (client/select/depth_picture.h). Needs decoding; only in
@@ -69,7 +70,11 @@ struct StreamerFrame {
     uint64_t host_bytes_held = 0;      ///< its highest part that is really held
     uint64_t host_bytes_reserved = 0;  ///< its highest part that requests under way may bring at most
     double tolerance_used = 0;         ///< pixels: grows above the option when a budget does not hold the selection
-    double achieved_error_pixels = 0;  ///< largest projected error of what is drawn
+    double achieved_error_pixels = 0;  ///< largest projected error of what is drawn: the next two together
+    double geometry_error_pixels = 0;  ///< its largest part that is the geometry's own
+    double position_error_pixels = 0;  ///< its largest part that comes from bits of positions left out
+    double position_bits = 0;          ///< of a coordinate, of the steps shown: average of triangles drawn
+    double full_position_bits = 0;     ///< the same with nothing left out
     double select_ms = 0, wait_ms = 0, decode_ms = 0;
     std::vector<std::string> warnings;  ///< damaged or missing tiles, new in this update
     /// Of wire_bytes: all that pictures take, tiles' own and shared ones with their index.

@@ -1,6 +1,8 @@
 #include "client/stream/draw_list.h"
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 
 #include "client/select/mip_clamp.h"
 #include "client/stream/cover.h"
@@ -12,6 +14,7 @@ using tiles::tileset::Layer;
 const std::vector<TileDraw>& DrawList::make(const Selection& selection, const SelectionView& view,
                                             StreamerFrame& frame) {
     draws_.clear();
+    triangles_ = full_bits_ = shown_bits_ = 0;
     const CoverQuestions ask = {view.selected, view.refined, [&](NodeIndex node) { return selector_.visible(node); },
                                 [&](NodeIndex node) { return residency_.drawable(node); }};
     const std::vector<NodeIndex> cover = cover_view(directory_, ask);
@@ -26,6 +29,10 @@ const std::vector<TileDraw>& DrawList::make(const Selection& selection, const Se
     frame.tiles_hidden = selection.hidden;
     frame.tiles_missing = selection.tiles.size() - as_chosen;
     frame.tolerance_used = selection.tolerance;
+    if (triangles_ > 0) {
+        frame.position_bits = static_cast<double>(shown_bits_) / static_cast<double>(triangles_);
+        frame.full_position_bits = static_cast<double>(full_bits_) / static_cast<double>(triangles_);
+    }
     return draws_;
 }
 
@@ -36,13 +43,19 @@ void DrawList::add(NodeIndex node, const Selection& selection, const SelectedTil
     draws_.push_back(residency_.draw(node, options_.wait_for_selection ? tile : nullptr));
     TileDraw& draw = draws_.back();
     clamp_mips(node, selection.texel_tolerance, draw);
+    drop_positions(node, selection, tile, draw);
+    count_bits(node, draw);
     std::vector<PlacementLevel> levels;
     if (tile == nullptr || tile->has_relief()) levels = selector_.placement_levels_of(node, selection.tolerance);
     const bool has_facades = !directory_.node(node).record->steps(Layer::kFacade).empty();
     const bool relief = !levels.empty() && residency_.add_relief(node, levels, draw);
     if (has_facades) ++(relief ? frame.relief_tiles : frame.flat_tiles);
-    const double error = std::max(error_metres(node, draw) * pixels_per_metre, relief_error_pixels(levels, draw));
-    frame.achieved_error_pixels = std::max(frame.achieved_error_pixels, error);
+    const double geometry =
+        std::max(geometry_error_metres(node, draw) * pixels_per_metre, relief_error_pixels(levels, draw));
+    const double position = position_error_pixels(node, selection, draw);
+    frame.geometry_error_pixels = std::max(frame.geometry_error_pixels, geometry);
+    frame.position_error_pixels = std::max(frame.position_error_pixels, position);
+    frame.achieved_error_pixels = std::max(frame.achieved_error_pixels, geometry + position);
 }
 
 void DrawList::clamp_mips(NodeIndex node, double pixels, TileDraw& draw) const {
@@ -57,15 +70,43 @@ void DrawList::clamp_mips(NodeIndex node, double pixels, TileDraw& draw) const {
     }
 }
 
-/// Metres: of the tile itself, of steps that were left away, and of relief drawn flat.
-double DrawList::error_metres(NodeIndex node, const TileDraw& draw) const {
+/// Nothing finer than chosen is shown, whatever is here: what a vertex shows depends on the camera alone.
+void DrawList::drop_positions(NodeIndex node, const Selection& selection, const SelectedTile* tile,
+                              TileDraw& draw) const {
+    const auto dropped = dropped_bits(directory_.node(node).record->steps(Layer::kMesh));
+    size_t shown = std::min<size_t>(draw.mesh_steps, dropped.size());
+    if (tile != nullptr) shown = std::min<size_t>(shown, tile->steps_of(Layer::kMesh));
+    draw.drop_rule = selection.positions.drop;
+    draw.mesh_least_dropped = shown > 0 ? dropped[shown - 1] : 0;
+}
+
+/// Bits of a coordinate within the tile's bounds, and those of them that are shown, of the triangles drawn so far.
+void DrawList::count_bits(NodeIndex node, const TileDraw& draw) {
+    const auto& bounds = directory_.node(node).record->bounds;
+    double extent = 0;
+    for (size_t c = 0; c < 3; ++c) extent = std::max(extent, bounds.max[c] - bounds.min[c]);
+    const auto bits = static_cast<uint32_t>(std::bit_width(static_cast<uint64_t>(to_grid(extent))));
+    uint64_t triangles = 0;
+    for (const codec::mesh::MeshRange& range : draw.mesh_ranges) triangles += range.triangles;
+    triangles_ += triangles;
+    full_bits_ += triangles * bits;
+    shown_bits_ += triangles * (bits - std::min(bits, draw.mesh_least_dropped));
+}
+
+/// Metres: of the tile itself, and of relief drawn flat.
+double DrawList::geometry_error_metres(NodeIndex node, const TileDraw& draw) const {
     const auto& record = *directory_.node(node).record;
     double error = record.geometric_error;
-    const auto& mesh = record.steps(Layer::kMesh);
-    const size_t drawn = draw.mesh_step_words.size();
-    if (drawn > 0 && drawn < mesh.size()) error = std::max<double>(error, mesh[drawn - 1].error);
     if (draw.facade == kNoLayer) error = std::max<double>(error, record.flat_facade_error);
     return error;
+}
+
+double DrawList::position_error_pixels(NodeIndex node, const Selection& selection, const TileDraw& draw) const {
+    const double nearest = selector_.distance(node);
+    const auto& bounds = directory_.node(node).record->bounds;
+    const double across =
+        std::hypot(bounds.max[0] - bounds.min[0], bounds.max[1] - bounds.min[1], bounds.max[2] - bounds.min[2]);
+    return greatest_position_error(selection.positions, draw.mesh_least_dropped, nearest, nearest + across);
 }
 
 /// Of relief drawn with coarser maps, which leave out nothing that is larger than their texels.

@@ -32,7 +32,10 @@ class DrawList {
   private:
     void add(NodeIndex node, const Selection& selection, const SelectedTile* tile, StreamerFrame& frame);
     void clamp_mips(NodeIndex node, double pixels, TileDraw& draw) const;
-    double error_metres(NodeIndex node, const TileDraw& draw) const;
+    void drop_positions(NodeIndex node, const Selection& selection, const SelectedTile* tile, TileDraw& draw) const;
+    void count_bits(NodeIndex node, const TileDraw& draw);
+    double geometry_error_metres(NodeIndex node, const TileDraw& draw) const;
+    double position_error_pixels(NodeIndex node, const Selection& selection, const TileDraw& draw) const;
     double relief_error_pixels(std::span<const PlacementLevel> levels, const TileDraw& draw) const;
 
     const DirectoryCache& directory_;
@@ -41,6 +44,7 @@ class DrawList {
     Selector& selector_;
     const StreamerOptions& options_;
     std::vector<TileDraw> draws_;
+    uint64_t triangles_ = 0, full_bits_ = 0, shown_bits_ = 0;  ///< of draws_
 };
 
 }  // namespace citystream::client

@@ -73,6 +73,11 @@ Json frame_json(const FlightFrame& frame) {
             {"cache", {{"hits", s.cache_hits}, {"misses", s.cache_misses}}},
             {"tolerance_used", s.tolerance_used},
             {"achieved_error_pixels", s.achieved_error_pixels},
+            {"geometry_error_pixels", s.geometry_error_pixels},
+            {"positions",
+             {{"error_pixels", s.position_error_pixels},
+              {"bits", milliseconds(s.position_bits)},
+              {"full_bits", milliseconds(s.full_position_bits)}}},
             {"warnings", s.warnings.size()}};
 }
 
@@ -111,6 +116,7 @@ Json description_json(const FlightDescription& d) {
             {"tolerance_pixels", d.tolerance_pixels},
             {"relief_tolerance_pixels", d.relief_tolerance_pixels},
             {"texel_tolerance_pixels", d.texel_tolerance_pixels},
+            {"position_tolerance_pixels", d.position_tolerance_pixels},
             {"map_level", d.map_level},
             {"facade_renderer", d.facade_renderer},
             {"facade_samples", d.facade_samples},
@@ -175,6 +181,13 @@ Json pages_json(const std::vector<FlightFrame>& frames) {
             {"mesh_draws", spread(frames, [](const FlightFrame& f) { return f.counts.mesh_draws; })}};
 }
 
+/// How far vertices are off, and what of their coordinates is shown.
+Json positions_json(const std::vector<FlightFrame>& frames) {
+    return {{"error_pixels", spread(frames, [](const FlightFrame& f) { return f.stream.position_error_pixels; })},
+            {"bits", spread(frames, [](const FlightFrame& f) { return f.stream.position_bits; })},
+            {"full_bits", spread(frames, [](const FlightFrame& f) { return f.stream.full_position_bits; })}};
+}
+
 Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::string>& warnings,
              const FlightTotals& totals) {
     const FetcherStatistics& net = totals.fetcher;
@@ -211,6 +224,8 @@ Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::stri
           {"header_bytes", net.header_bytes}}},
         {"tolerance_used_max", most(frames, [](const FlightFrame& f) { return f.stream.tolerance_used; })},
         {"achieved_error_pixels", spread(frames, [](const FlightFrame& f) { return f.stream.achieved_error_pixels; })},
+        {"geometry_error_pixels", spread(frames, [](const FlightFrame& f) { return f.stream.geometry_error_pixels; })},
+        {"positions", positions_json(frames)},
         {"validation_messages", totals.validation_messages},
         {"warnings", warnings.size()}};
 }

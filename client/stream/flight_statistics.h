@@ -24,7 +24,7 @@ struct FlightFrame {
 struct FlightDescription {
     std::string place, path, mode, device, network;
     std::string facade_renderer, map_level, chart_transport, facade_tint;  ///< as chosen by name
-    double relief_tolerance_pixels = 0, texel_tolerance_pixels = 0;
+    double relief_tolerance_pixels = 0, texel_tolerance_pixels = 0, position_tolerance_pixels = 0;
     uint32_t facade_samples = 1;
     bool occlusion = true;
     uint32_t width = 0, height = 0;

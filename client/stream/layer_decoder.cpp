@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "codec/mesh/mesh_layer.h"
 #include "codec/step_wire.h"
 
 namespace citystream::client {
@@ -18,13 +17,9 @@ Status append_words(std::span<const std::byte> wire, uint32_t decoded_bytes, std
     return Done{};
 }
 
-Result<LayerFacts> check_mesh(const DecodedPrefix& prefix, uint32_t chart_count) {
-    const auto view = codec::mesh::MeshLayerView::create(prefix.words, prefix.step_words, chart_count);
-    if (!view) return view.error();
-    LayerFacts facts;
-    facts.mesh_triangles = view->triangle_count();
-    facts.mesh_dressed_begin = view->dressed_begin();
-    return facts;
+std::vector<std::span<const std::byte>> spans_of(std::span<const std::vector<std::byte>> wire, size_t steps) {
+    const auto first = wire.first(steps);
+    return {first.begin(), first.end()};
 }
 
 Result<LayerFacts> check_atlas(const DecodedPrefix& prefix, uint64_t dictionary_size) {
@@ -65,18 +60,42 @@ bool decompress_prefix(std::span<const std::vector<std::byte>> wire, std::span<c
     return true;
 }
 
+bool decode_mesh(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
+                 uint32_t chart_count, codec::mesh::MeshLayer& out, DecodeFailure& failure) {
+    std::vector<uint32_t> decoded_bytes;
+    for (const auto& step : steps) decoded_bytes.push_back(step.decoded_bytes);
+    const auto spans = spans_of(wire, steps.size());
+    for (size_t count = spans.size(); count > 0; --count) {
+        auto layer = codec::mesh::decode_mesh_layer(std::span(spans).first(count),
+                                                    std::span(decoded_bytes).first(count), chart_count);
+        if (layer && count == spans.size()) {
+            out = std::move(*layer);
+            return true;
+        }
+        if (layer) break;
+        failure = {static_cast<uint32_t>(count - 1), layer.error().text()};
+    }
+    return false;
+}
+
+Result<codec::mesh::MeshContent> decode_mesh_content(std::span<const std::vector<std::byte>> wire,
+                                                     std::span<const tiles::tileset::StepRecord> steps) {
+    uint64_t decoded = 0;
+    for (const auto& step : steps) decoded += step.decoded_bytes;
+    return codec::mesh::decode_mesh_content(spans_of(wire, steps.size()), decoded, kAnyChart);
+}
+
 Result<LayerFacts> check_layer(Layer layer, const DecodedPrefix& prefix, const NameLimits& limits) {
     switch (layer) {
-        case Layer::kMesh:
-            return check_mesh(prefix, limits.charts);
         case Layer::kAtlas:
             return check_atlas(prefix, limits.shared_charts);
         case Layer::kFacade:
             return check_facade(prefix, limits.charts, limits.facade_maps);
+        case Layer::kMesh:
         case Layer::kRadiance:
             break;
     }
-    return Error{"this version draws no radiance layers"};
+    return Error{"not a layer of words"};
 }
 
 bool decode_layer(Layer layer, std::span<const std::vector<std::byte>> wire,

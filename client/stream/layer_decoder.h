@@ -1,4 +1,5 @@
-// From wire bytes to checked words: zstd, then the codec's own view, so that nothing unchecked reaches the GPU.
+// From wire bytes to checked words: what travelled is undone, then the codec's own view checks, so that nothing
+// unchecked reaches the GPU.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +9,7 @@
 
 #include "codec/atlas/atlas_form.h"
 #include "codec/facade/facade_layer.h"
+#include "codec/mesh/mesh_layer.h"
 #include "codec/result.h"
 #include "tiles/tileset/directory.h"
 
@@ -21,7 +23,6 @@ struct DecodedPrefix {
 
 /// What the renderer must know of a layer beside its words.
 struct LayerFacts {
-    uint32_t mesh_triangles = 0, mesh_dressed_begin = 0;
     codec::atlas::AtlasFacts atlas;
     std::vector<codec::facade::Placement> placements;
     std::vector<uint32_t> facade_maps;  ///< sorted, distinct
@@ -43,11 +44,21 @@ struct DecodeFailure {
     std::string message;
 };
 
-/// Decompresses steps [0, count). `wire[i]` are the bytes of step i. On failure `failure` names the step.
+/// Decompresses steps [0, count) of a layer that is no mesh. `wire[i]` are the bytes of step i. On failure `failure`
+/// names the step.
 bool decompress_prefix(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
                        DecodedPrefix& out, DecodeFailure& failure);
 
-/// Checks the words of a prefix as the codec of `layer` does.
+/// Decodes steps [0, steps.size()) of a mesh. On failure `failure` names the first step without which the steps before
+/// it are good.
+bool decode_mesh(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
+                 uint32_t chart_count, codec::mesh::MeshLayer& out, DecodeFailure& failure);
+
+/// What the first steps of a mesh say, without making words of them.
+Result<codec::mesh::MeshContent> decode_mesh_content(std::span<const std::vector<std::byte>> wire,
+                                                     std::span<const tiles::tileset::StepRecord> steps);
+
+/// Checks the words of a prefix as the codec of `layer` (no mesh) does.
 Result<LayerFacts> check_layer(tiles::tileset::Layer layer, const DecodedPrefix& prefix, const NameLimits& limits);
 
 /// Both, and on failure the first step without which the prefix before it is good.

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/cache/decode_scratch.h"
 #include "client/select/selection.h"
 #include "client/stream/layer_decoder.h"
 #include "client/stream/residency_counters.h"
-#include "codec/mesh/mesh_layer.h"
+#include "codec/mesh/mesh_triangles.h"
 
 namespace citystream::client {
 
@@ -40,19 +41,19 @@ void keep_largest(std::vector<Triangle>& triangles, size_t begin, size_t count) 
 
 }  // namespace
 
-/// The triangles [begin, end) that are large enough and solid, appended.
-void Occluders::take_large(const codec::mesh::MeshLayerView& mesh, NodeIndex node, uint32_t begin, uint32_t end,
+/// The dressed triangles, or the others, that are large enough and solid, appended.
+void Occluders::take_large(const codec::mesh::MeshContent& mesh, uint32_t steps, NodeIndex node, bool dressed,
                            std::vector<Triangle>& out) const {
     const double least = 2 * kLeastOccluderMetres2 * std::pow(kGridUnitsPerMetre, 2);
     const TileKnowledge& tile = knowledge_.tiles[node];
     const bool all_solid = !shows_alpha(knowledge_, tile);
-    for (uint32_t triangle = begin; triangle < end; ++triangle) {
+    codec::mesh::for_each_triangle(mesh, steps, [&](const codec::mesh::PlacedTriangle& triangle) {
+        if (triangle.dressed != dressed) return;
         Triangle t{};
-        for (uint32_t corner = 0; corner < 3; ++corner)
-            mesh.position(mesh.index(3 * triangle + corner), &t[size_t{3} * corner]);
-        const bool solid = all_solid || !shows_alpha(knowledge_, tile, mesh.chart_word(triangle));
+        for (size_t i = 0; i < t.size(); ++i) t[i] = triangle.places[i / 3][i % 3];
+        const bool solid = all_solid || !shows_alpha(knowledge_, tile, triangle.chart_word);
         if (solid && squared_double_area(t) >= least * least) out.push_back(t);
-    }
+    });
 }
 
 void Occluders::begin_update() {
@@ -79,19 +80,17 @@ Occluders::Surfaces* Occluders::surfaces_of(NodeIndex node, uint32_t count) {
     const auto steps = std::span(directory_.node(node).record->steps(Layer::kMesh)).first(count);
     uint64_t decoded = 0;
     for (const auto& step : steps) decoded += step.decoded_bytes;
-    if (!cache_.free_host(2 * decoded + kMostOccluders * 2 * sizeof(Triangle))) return nullptr;
-    const Scratch scratch(host_, 2 * decoded);
-    DecodedPrefix prefix;
-    DecodeFailure failure;
-    if (!decompress_prefix(std::span(entry->wire).first(steps.size()), steps, prefix, failure)) return nullptr;
-    const auto mesh = codec::mesh::MeshLayerView::create(prefix.words, prefix.step_words, kAnyChart);
+    const uint64_t scratch_bytes = decode_scratch_bytes(Layer::kMesh, decoded);
+    if (!cache_.free_host(scratch_bytes + kMostOccluders * 2 * sizeof(Triangle))) return nullptr;
+    const Scratch scratch(host_, scratch_bytes);
+    const auto mesh = decode_mesh_content(entry->wire, steps);
     if (!mesh) return nullptr;
     Surfaces surfaces;
     surfaces.steps = count;
-    take_large(*mesh, node, 0, mesh->dressed_begin(), surfaces.triangles);
+    take_large(*mesh, count, node, false, surfaces.triangles);
     keep_largest(surfaces.triangles, 0, kMostOccluders);
     surfaces.dressed_begin = static_cast<uint32_t>(surfaces.triangles.size());
-    take_large(*mesh, node, mesh->dressed_begin(), mesh->triangle_count(), surfaces.triangles);
+    take_large(*mesh, count, node, true, surfaces.triangles);
     keep_largest(surfaces.triangles, surfaces.dressed_begin, kMostOccluders);
     surfaces.triangles.shrink_to_fit();
     Surfaces& kept = tiles_[node];

@@ -12,7 +12,7 @@
 #include "client/cache/layer_cache.h"
 #include "client/select/city_knowledge.h"
 #include "client/select/depth_picture.h"
-#include "codec/mesh/mesh_layer.h"
+#include "codec/mesh/mesh_content.h"
 
 namespace citystream::client {
 
@@ -44,7 +44,7 @@ class Occluders {
         uint64_t bytes() const { return sizeof(Surfaces) + 64 + triangles.size() * sizeof(triangles[0]); }
     };
     Surfaces* surfaces_of(NodeIndex node, uint32_t steps);
-    void take_large(const codec::mesh::MeshLayerView& mesh, NodeIndex node, uint32_t begin, uint32_t end,
+    void take_large(const codec::mesh::MeshContent& mesh, uint32_t steps, NodeIndex node, bool dressed,
                     std::vector<std::array<int32_t, 9>>& out) const;
 
     const DirectoryCache& directory_;

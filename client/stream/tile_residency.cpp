@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "client/cache/decode_scratch.h"
 #include "client/stream/chart_boxes.h"
 #include "codec/mesh/mesh_layer.h"
 
@@ -109,15 +110,12 @@ void TileResidency::learn_chart_boxes(NodeIndex node, std::span<const std::byte>
     TileKnowledge& known = knowledge_.tiles[node];
     if (known.chart_boxes_known || !learns_chart_boxes(directory_, node)) return;
     const std::span<const StepRecord> step = std::span(directory_.node(node).record->steps(Layer::kMesh)).first(1);
-    const Scratch scratch(host_, first_step.size() + 2 * step[0].decoded_bytes);
+    const Scratch scratch(host_, first_step.size() + decode_scratch_bytes(Layer::kMesh, step[0].decoded_bytes));
     const Stopwatch watch(counters_.decode_ms);
     const std::vector<std::vector<std::byte>> wire = {{first_step.begin(), first_step.end()}};
-    DecodedPrefix prefix;
-    DecodeFailure failure;
-    if (!decompress_prefix(wire, step, prefix, failure)) return;
-    const auto mesh = codec::mesh::MeshLayerView::create(prefix.words, prefix.step_words, kAnyChart);
+    const auto mesh = decode_mesh_content(wire, step);
     if (!mesh) return;
-    known.chart_boxes = chart_boxes_of(*mesh, tile_corner(directory_, node), double{step[0].error});
+    known.chart_boxes = chart_boxes_of(*mesh, 1, tile_corner(directory_, node), double{step[0].error});
     known.chart_boxes_known = true;
     host_.fixed += known.chart_boxes.size() * sizeof(ChartBox);
     host_.note_peak();
@@ -168,9 +166,44 @@ void TileResidency::upload_layer(NodeIndex node, Layer layer, uint32_t wanted) {
     if (!cache_.free_slots(cache_.slots_for(bytes) - cache_.slots_for(entry->store_bytes))) return;
     const Stopwatch watch(counters_.decode_ms);
     const uint64_t before = entry->store_bytes;
-    const bool done =
-        decode_ ? decode_to_store(*entry, node, layer, steps) : cache_.append_zeros(*entry, bytes - before, steps).ok();
+    const bool done = !decode_                ? cache_.append_zeros(*entry, bytes - before, steps).ok()
+                      : layer == Layer::kMesh ? decode_mesh_to_store(*entry, node, steps)
+                                              : decode_to_store(*entry, node, layer, steps);
     if (done) counters_.decoded_bytes += bytes - before;
+}
+
+/// A mesh that is there gets the bits that it lacks, merged by the store; where that has no room for both at a time the
+/// mesh comes anew.
+Status TileResidency::store_mesh(CachedLayer& entry, const codec::mesh::MeshLayer& mesh, uint64_t bytes) {
+    if (entry.store_steps > 0) {
+        const auto planes = mesh.resident.planes(entry.store_steps, mesh.steps);
+        const auto begin = static_cast<uint32_t>(mesh.resident.words.size());
+        const uint32_t level = mesh.resident.levels[mesh.steps - 1];
+        if (cache_.free_slots(cache_.slots_for(bytes)) && cache_.refine(entry, begin, planes, level, bytes, mesh.steps))
+            return Done{};
+        cache_.drop_store(entry);
+    }
+    return cache_.append(entry, mesh.words(), mesh.steps);
+}
+
+bool TileResidency::decode_mesh_to_store(CachedLayer& entry, NodeIndex node, uint32_t steps) {
+    const auto& all = directory_.node(node).record->steps(Layer::kMesh);
+    const uint64_t scratch_bytes = decode_scratch_bytes(Layer::kMesh, decoded_prefix_bytes(all, steps));
+    cache_.free_host(scratch_bytes);
+    const Scratch scratch(host_, scratch_bytes);
+    codec::mesh::MeshLayer mesh;
+    DecodeFailure failure;
+    if (!decode_mesh(entry.wire, std::span(all).first(steps), facts_[node].chart_count, mesh, failure)) {
+        damaged(entry, node, Layer::kMesh, failure.step, failure.message);
+        return false;
+    }
+    const Status stored = store_mesh(entry, mesh, decoded_prefix_bytes(all, steps));
+    if (!stored) {
+        warnings_.add(layer_path(Layer::kMesh, directory_.node(node).record->address) + ": " + stored.error().text());
+        return false;
+    }
+    facts_[node].mesh_ranges = mesh.resident.ranges;
+    return true;
 }
 
 bool TileResidency::decode_to_store(CachedLayer& entry, NodeIndex node, Layer layer, uint32_t steps) {
@@ -191,21 +224,16 @@ bool TileResidency::decode_to_store(CachedLayer& entry, NodeIndex node, Layer la
         warnings_.add(layer_path(layer, directory_.node(node).record->address) + ": " + appended.error().text());
         return false;
     }
-    remember(node, layer, steps, facts);
+    if (layer == Layer::kAtlas) remember_atlas(node, steps, facts);
     return true;
 }
 
-void TileResidency::remember(NodeIndex node, Layer layer, uint32_t steps, LayerFacts& facts) {
+void TileResidency::remember_atlas(NodeIndex node, uint32_t steps, const LayerFacts& facts) {
     Facts& known = facts_[node];
-    if (layer == Layer::kMesh) {
-        known.mesh_triangles = facts.mesh_triangles;
-        known.mesh_dressed_begin = facts.mesh_dressed_begin;
-    } else if (layer == Layer::kAtlas) {
-        known.charts_known = true;
-        known.atlas_form = facts.atlas.form;
-        known.chart_count = facts.atlas.chart_count;
-        known.coarsest_step_mip = facts.atlas.finest_mip + steps - 1;
-    }
+    known.charts_known = true;
+    known.atlas_form = facts.atlas.form;
+    known.chart_count = facts.atlas.chart_count;
+    known.coarsest_step_mip = facts.atlas.finest_mip + steps - 1;
 }
 
 bool TileResidency::drawable(NodeIndex node) {
@@ -266,17 +294,14 @@ TileDraw TileResidency::draw(NodeIndex node, const SelectedTile* chosen) {
     const Facts& facts = facts_[node];
     const GridPoint origin = directory_.manifest().tile_origin(record);
     TileDraw out;
+    out.address = record.address;
     out.origin = {to_metres(origin.x), to_metres(origin.y), to_metres(origin.z)};
     CachedLayer& mesh = cache_.at(layer_key(node, Layer::kMesh));
     cache_.mark_drawn(mesh);
     out.mesh = mesh.id;
-    const uint32_t mesh_steps =
+    out.mesh_steps =
         std::min<uint32_t>(chosen != nullptr ? chosen->steps_of(Layer::kMesh) : kAllSteps, mesh.store_steps);
-    for (uint32_t i = 0; i < mesh_steps; ++i) {
-        out.mesh_step_words.push_back(record.steps(Layer::kMesh)[i].decoded_bytes / 4);
-    }
-    out.mesh_triangles = facts.mesh_triangles;
-    out.mesh_dressed_begin = facts.mesh_dressed_begin;
+    out.mesh_ranges = facts.mesh_ranges;
     CachedLayer* atlas = cache_.find(layer_key(node, Layer::kAtlas));
     if (atlas != nullptr && atlas->store_steps > 0) add_atlas(node, *atlas, chosen, out);
     return out;

@@ -67,7 +67,7 @@ class TileResidency {
         codec::atlas::AtlasForm atlas_form = codec::atlas::AtlasForm::kCharts;
         uint32_t chart_count = kAnyChart;
         uint32_t coarsest_step_mip = 0;  ///< finest mip of the atlas' first step
-        uint32_t mesh_triangles = 0, mesh_dressed_begin = 0;
+        std::vector<codec::mesh::MeshRange> mesh_ranges;
     };
     void damaged(CachedLayer& layer, NodeIndex node, tiles::tileset::Layer kind, uint32_t step, const std::string& why);
     NameLimits limits_of(NodeIndex node) const;
@@ -77,7 +77,9 @@ class TileResidency {
     void add_atlas(NodeIndex node, CachedLayer& atlas, const SelectedTile* chosen, TileDraw& out);
     void upload_layer(NodeIndex node, tiles::tileset::Layer layer, uint32_t wanted);
     bool decode_to_store(CachedLayer& entry, NodeIndex node, tiles::tileset::Layer layer, uint32_t steps);
-    void remember(NodeIndex node, tiles::tileset::Layer layer, uint32_t steps, LayerFacts& facts);
+    bool decode_mesh_to_store(CachedLayer& entry, NodeIndex node, uint32_t steps);
+    Status store_mesh(CachedLayer& entry, const codec::mesh::MeshLayer& mesh, uint64_t bytes);
+    void remember_atlas(NodeIndex node, uint32_t steps, const LayerFacts& facts);
 
     const DirectoryCache& directory_;
     CityKnowledge& knowledge_;

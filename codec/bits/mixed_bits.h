@@ -1,7 +1,7 @@
 // Bits and numbers whose probability is mixed from several contexts (logistic mixing).
 //
-// A MixedBits holds, for each of its contexts, a table of BitModels. Each decision is looked up under every context at
-// once; what the models say is stretched (ln(p / (1 - p))), weighted, summed and squashed back, and the weights move
+// A MixedBits holds, for each of its contexts, a table of BitEstimates. Each decision is looked up under every context
+// at once; what the models say is stretched (ln(p / (1 - p))), weighted, summed and squashed back, and the weights move
 // towards the models that were right. So a context that says nothing costs next to nothing, and several that each say
 // something are worth more than the best of them: contexts may be added without thinning the statistics.
 //
@@ -41,7 +41,7 @@ class MixedBits {
 
     uint32_t contexts_, nodes_, sets_, set_ = 0;
     std::vector<uint32_t> counts_, starts_;  // of the tables in models_, in values
-    std::vector<BitModel> models_;
+    std::vector<BitEstimates> models_;
     std::vector<uint16_t> seen_;    // bits mixed by each row of weights, up to a limit
     std::vector<int32_t> weights_;  // in 2^-16, one for each set, node and context
     uint32_t at_[kMostContexts] = {};

@@ -26,7 +26,7 @@ constexpr std::array<uint16_t, kSlowMemory + 1> kSteps = make_steps();
 
 /// Estimates are in 2^-28: fine enough that a long run of equal bits comes to cost next to nothing.
 constexpr uint32_t kEstimateBits = 28;
-constexpr uint32_t kSureOne = (1u << kEstimateBits) - 1;
+constexpr uint32_t kSureOne = (1u << kEstimateBits) - 1, kHalf = 1u << (kEstimateBits - 1);
 
 uint32_t moved(uint32_t estimate, uint32_t bit, uint32_t step) {
     const uint32_t gap = bit != 0 ? kSureOne - estimate : estimate;
@@ -36,19 +36,20 @@ uint32_t moved(uint32_t estimate, uint32_t bit, uint32_t step) {
 
 }  // namespace
 
-BitModel::BitModel(double probability_of_one, uint32_t weight) : seen_(weight) {
+uint32_t BitEstimates::probability_of_one() const {
+    return std::clamp(((fast ^ kHalf) + (slow ^ kHalf)) >> (kEstimateBits + 1 - 16), 1u, kOne - 1);
+}
+
+void BitEstimates::learn(uint32_t bit) {
+    fast = moved(fast ^ kHalf, bit, kSteps[std::min<uint32_t>(seen, kFastMemory)]) ^ kHalf;
+    slow = moved(slow ^ kHalf, bit, kSteps[seen]) ^ kHalf;
+    if (seen < kSlowMemory) ++seen;
+}
+
+BitModel::BitModel(double probability_of_one, uint32_t weight) {
     assert(probability_of_one > 0 && probability_of_one < 1 && weight <= kMostWeight);
-    fast_ = slow_ = static_cast<uint32_t>(probability_of_one * kSureOne);
-}
-
-uint32_t BitModel::probability_of_one() const {
-    return std::clamp((fast_ + slow_) >> (kEstimateBits + 1 - 16), 1u, kOne - 1);
-}
-
-void BitModel::learn(uint32_t bit) {
-    fast_ = moved(fast_, bit, kSteps[std::min<uint32_t>(seen_, kFastMemory)]);
-    slow_ = moved(slow_, bit, kSteps[seen_]);
-    if (seen_ < kSlowMemory) ++seen_;
+    estimates_.fast = estimates_.slow = static_cast<uint32_t>(probability_of_one * kSureOne) ^ kHalf;
+    estimates_.seen = weight;
 }
 
 double BitModel::cost(uint32_t bit) const {

@@ -21,8 +21,19 @@
 
 namespace citystream::codec::bits {
 
-/// Probability that a bit is 1: the mean of two estimates, one that forgets fast and one that forgets slowly. The first
-/// bits count most (as 1 / (bits seen + 1.5)), so that a model learns from a handful.
+/// What is known of a bit: the probability that it is 1, by two estimates, one that forgets fast and one that forgets
+/// slowly. The first bits count most (as 1 / (bits seen + 1.5)), so that a handful says much. Zeros: nothing is known,
+/// so that a table of hundreds of thousands costs no more than clearing its memory.
+struct BitEstimates {
+    uint32_t fast, slow;  ///< in 2^-28, exclusive or one half
+    uint32_t seen;        ///< bits
+
+    /// In 1/65536, 1..65535.
+    uint32_t probability_of_one() const;
+    void learn(uint32_t bit);
+};
+
+/// The same of one kind of bits that a coder asks for by itself.
 class BitModel {
   public:
     BitModel() = default;
@@ -31,14 +42,13 @@ class BitModel {
     static constexpr uint32_t kMostWeight = 64;
 
     /// In 1/65536, 1..65535.
-    uint32_t probability_of_one() const;
-    void learn(uint32_t bit);
+    uint32_t probability_of_one() const { return estimates_.probability_of_one(); }
+    void learn(uint32_t bit) { estimates_.learn(bit); }
     /// What coding `bit` would cost now, in bits.
     double cost(uint32_t bit) const;
 
   private:
-    uint32_t fast_ = 1u << 27, slow_ = 1u << 27;  // in 2^-28
-    uint32_t seen_ = 0;
+    BitEstimates estimates_{};
 };
 
 class RangeEncoder {

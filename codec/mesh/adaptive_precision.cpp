@@ -177,22 +177,29 @@ std::vector<uint32_t> precision_plane(const PrecisionShape& shape, std::span<con
     return out.finish();
 }
 
-Result<PrecisionView> PrecisionView::create(std::span<const uint32_t> words) {
+Result<PrecisionHeader> read_precision_header(std::span<const uint32_t> words) {
     if (words.size() < PRECISION_WORD_BINS || words[PRECISION_WORD_MAGIC] != PRECISION_MAGIC)
         return Error{"precision buffer: no header", 0};
     const uint32_t bins = words[PRECISION_WORD_SHAPE] & 255;
     if ((words.size() - PRECISION_WORD_BINS) / PRECISION_BIN_WORDS < bins)
         return Error{"precision buffer: truncated bins", 4 * words.size()};
-    PrecisionView view;
-    view.words_ = words;
-    view.shape_ = shape_of(words);
-    view.level_ = words[PRECISION_WORD_SHAPE] >> 24;
-    if (const Status status = check_shape(view.shape_); !status) return status.error();
-    if (view.level_ > view.shape_.full_bits) return Error{"precision buffer: level", 4 * PRECISION_WORD_SHAPE};
-    if (words.size() != view.shape_.words_at(view.level_)) return Error{"precision buffer: length", 4 * words.size()};
-    const std::vector<uint32_t> header = precision_header(view.shape_, view.level_);
+    const PrecisionHeader read{shape_of(words), words[PRECISION_WORD_SHAPE] >> 24};
+    if (const Status status = check_shape(read.shape); !status) return status.error();
+    if (read.level > read.shape.full_bits) return Error{"precision buffer: level", 4 * PRECISION_WORD_SHAPE};
+    const std::vector<uint32_t> header = precision_header(read.shape, read.level);
     if (!std::equal(header.begin(), header.end(), words.begin()))
         return Error{"precision buffer: first bits of bins", 4 * PRECISION_WORD_BINS};
+    return read;
+}
+
+Result<PrecisionView> PrecisionView::create(std::span<const uint32_t> words) {
+    Result<PrecisionHeader> header = read_precision_header(words);
+    if (!header) return header.error();
+    PrecisionView view;
+    view.words_ = words;
+    view.shape_ = std::move(header->shape);
+    view.level_ = header->level;
+    if (words.size() != view.shape_.words_at(view.level_)) return Error{"precision buffer: length", 4 * words.size()};
     if (!unused_bits_are_zero(words, view.shape_.payload_bits(view.level_)))
         return Error{"precision buffer: unused bits", 4 * (words.size() - 1)};
     return view;

@@ -77,6 +77,15 @@ std::vector<uint32_t> precision_plane(const PrecisionShape& shape, std::span<con
 /// The header that a buffer of this shape has at a level.
 std::vector<uint32_t> precision_header(const PrecisionShape& shape, uint32_t level);
 
+/// What a header says: all of a buffer but its payload.
+struct PrecisionHeader {
+    PrecisionShape shape;
+    uint32_t level = 0;
+};
+
+/// The checked header that `words` begin with, whatever follows it. Error: a header that no shape has.
+Result<PrecisionHeader> read_precision_header(std::span<const uint32_t> words);
+
 /// A checked view of a buffer's words: neither it nor the shader can read outside them, whatever they are.
 class PrecisionView {
   public:

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "codec/mesh/direction.h"
+#include "codec/mesh/flat_normal_code.h"
 #include "codec/mesh/octahedral.h"
 #include "codec/mesh/octahedral_residual.h"
 
@@ -51,7 +52,7 @@ double angle_of(double sine, double cosine) {
 class Surroundings {
   public:
     explicit Surroundings(const GridMesh& mesh)
-        : mesh_(mesh), first_(mesh.points.size() + 1), corners_(corner_count()) {
+        : mesh_(mesh), grid_unit_(find_grid_unit()), first_(mesh.points.size() + 1), corners_(corner_count()) {
         for (size_t t = 0; t < mesh.triangles.size(); ++t) {
             const auto& [a, b, c] = mesh.triangles[t];
             area_.push_back(cross_of(edge(a, b), edge(a, c)));
@@ -66,6 +67,16 @@ class Surroundings {
     uint32_t corner_count() const { return static_cast<uint32_t>(3 * mesh_.triangles.size()); }
     uint32_t point_of(uint32_t corner) const { return mesh_.triangles[corner / 3][corner % 3]; }
     const Direction& plane(uint32_t triangle) const { return plane_[triangle]; }
+
+    /// The largest power of two that all differences of points are multiples of; 1 where there are none.
+    double grid_unit() const { return grid_unit_; }
+    double least_height(uint32_t triangle) const {
+        const auto& [a, b, c] = mesh_.triangles[triangle];
+        double longest = 1;
+        for (const Direction& side : {edge(a, b), edge(b, c), edge(c, a)})
+            longest = std::max(longest, dot_of(side, side));
+        return std::sqrt(dot_of(area_[triangle], area_[triangle]) / longest);
+    }
 
     void weigh(Weights weights) {
         parts_.resize(corner_count());
@@ -116,7 +127,17 @@ class Surroundings {
         return angle_of(length, dot_of(e, f)) / length;
     }
 
+    double find_grid_unit() const {
+        uint32_t differences = 0;
+        for (const GridPoint& point : mesh_.points) {
+            for (size_t c = 0; c < 3; ++c)
+                differences |= static_cast<uint32_t>(point[c]) - static_cast<uint32_t>(mesh_.points[0][c]);
+        }
+        return differences == 0 ? 1 : static_cast<double>(differences & (0 - differences));
+    }
+
     const GridMesh& mesh_;
+    double grid_unit_;
     std::vector<uint32_t> first_, corners_;  ///< corners_[first_[p]..first_[p + 1]) lie at point p
     std::vector<Direction> area_, plane_;    ///< of triangles: twice the area long, unit
     std::vector<Direction> parts_, whole_;   ///< what each corner adds, and the sums at points
@@ -176,12 +197,17 @@ template <typename Coder>
 class CornerCoder {
   public:
     CornerCoder(Coder& coder, const GridMesh& mesh, Surroundings& round, uint32_t normal_bits)
-        : coder_(coder), mesh_(mesh), round_(round), bits_(normal_bits), seen_(mesh.points.size()) {}
+        : coder_(coder),
+          mesh_(mesh),
+          round_(round),
+          bits_(normal_bits),
+          seen_(mesh.points.size()),
+          flat_(normal_bits) {}
 
     void code(std::span<uint64_t> codes, Prediction prediction) {
         const uint32_t weights = coder_.plain_bits(kWeightsBits, prediction.weights);
         const uint32_t crease = coder_.plain_bits(kCreaseBits, prediction.crease);
-        round_.weigh(static_cast<Weights>(weights));
+        weights_ = static_cast<Weights>(weights);
         crease_ = kCreases[std::min<size_t>(crease, kCreases.size() - 1)];
         for (uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
             code_triangle(t, codes.subspan(size_t{3} * t, 3));
@@ -191,30 +217,52 @@ class CornerCoder {
 
   private:
     void code_triangle(uint32_t triangle, std::span<uint64_t> corners) {
-        std::array<uint64_t, 3> predicted;
-        for (uint32_t c = 0; c < 3; ++c)
-            predicted[c] =
-                canonical_octahedral(pack_octahedral(round_.normal(3 * triangle + c, crease_), bits_), bits_);
-        const uint32_t equal = predicted[0] == predicted[1] && predicted[1] == predicted[2] ? 1 : 0;
+        const auto& points = mesh_.triangles[triangle];
+        const auto first = seen_[points[0]].codes(), second = seen_[points[1]].codes();
+        const uint32_t met = first.empty() || second.empty() ? 0 : first[0] == second[0] ? 1 : 2;
         const uint32_t same = corners[0] == corners[1] && corners[1] == corners[2] ? 1 : 0;
-        one_normal_ = coder_.bit(has_one_normal_[one_normal_][equal], same);
-        if (one_normal_ != 0) {
+        const uint32_t one_normal = coder_.bit(has_one_normal_[one_normal_ & 3][met], same);
+        one_normal_ = one_normal_ << 1 | one_normal;
+        if (one_normal != 0) {
             std::fill(corners.begin(), corners.end(), code_flat(triangle, corners[0]));
-        } else {
-            for (size_t c = 0; c < 3; ++c) {
-                const auto point = std::span(mesh_.triangles[triangle]).subspan(c, 1);
-                corners[c] = code_new(corner_, point, predicted[c], corners[c]);
-            }
+            return;
         }
+        weigh();
+        for (uint32_t c = 0; c < 3; ++c) {
+            const uint64_t predicted =
+                canonical_octahedral(pack_octahedral(round_.normal(3 * triangle + c, crease_), bits_), bits_);
+            corners[c] = code_new(corner_, std::span(points).subspan(c, 1), predicted, corners[c]);
+        }
+    }
+
+    /// Weights are reckoned when they are first needed: not where all triangles are flat.
+    void weigh() {
+        if (weighed_) return;
+        round_.weigh(weights_);
+        weighed_ = true;
     }
 
     uint64_t code_flat(uint32_t triangle, uint64_t code) {
         const uint64_t plane = canonical_octahedral(pack_octahedral(round_.plane(triangle), bits_), bits_);
-        derived_ = coder_.bit(is_derived_[derived_], code == plane ? 1 : 0);
-        return derived_ != 0 ? plane : code_new(flat_, mesh_.triangles[triangle], plane, code);
+        std::array<uint64_t, 3 * SeenNormals::kMost> met;
+        size_t count = 0;
+        for (const uint32_t point : mesh_.triangles[triangle]) {
+            for (const uint64_t one : seen_[point].codes()) met[count++] = one;
+        }
+        return flat_.code(coder_, plane, doubt_of(triangle), std::span(met).first(count), code);
     }
 
-    /// First whether it is the one met at the points that is nearest to the prediction.
+    /// How far its plane may be off the true one, in the lattice's units.
+    uint32_t doubt_of(uint32_t triangle) const {
+        constexpr uint32_t kMost = FlatNormalCode::kDoubts - 1;
+        const double height = round_.least_height(triangle), side = octahedral_side(bits_);
+        const double units = 4 * side * round_.grid_unit();
+        uint32_t doubt = 0;
+        while (doubt < kMost && units >= height * static_cast<double>(uint32_t{1} << doubt)) ++doubt;
+        return doubt;
+    }
+
+    /// First whether it is the one met at the point that is nearest to the prediction.
     uint64_t code_new(NewNormals& model, std::span<const uint32_t> points, uint64_t predicted, uint64_t code) {
         uint64_t nearest = 0;
         uint32_t least = ~0U;
@@ -239,17 +287,22 @@ class CornerCoder {
     uint32_t bits_;
     double crease_ = 0;
     std::vector<SeenNormals> seen_;
-    bits::BitModel has_one_normal_[2][2], is_derived_[2];
-    uint32_t one_normal_ = 0, derived_ = 1;
-    NewNormals flat_, corner_;  ///< of flat triangles that are not derived, and of other corners
+    Weights weights_ = Weights::kAngle;
+    bool weighed_ = false;
+    bits::BitModel has_one_normal_[4][3];  ///< by the last two triangles, and what was met at the first edge
+    uint32_t one_normal_ = 0;
+    FlatNormalCode flat_;
+    NewNormals corner_;  ///< of other triangles
 };
 
-/// What corners would cost roughly, by some of them spread over the mesh.
+/// What corners of triangles that are not flat would cost roughly, by some of them spread over the mesh.
 uint64_t score_of(const Surroundings& round, std::span<const uint64_t> codes, double crease, uint32_t normal_bits) {
     constexpr size_t kMostSamples = 30'000;
     const size_t step = codes.size() / kMostSamples + 1;
     uint64_t score = 0;
     for (size_t i = 0; i < codes.size(); i += step) {
+        const auto corners = codes.subspan(i - i % 3, 3);
+        if (corners[0] == corners[1] && corners[1] == corners[2]) continue;  // flat: told otherwise
         const uint64_t predicted = pack_octahedral(round.normal(static_cast<uint32_t>(i), crease), normal_bits);
         const auto residual = octahedral_residual(codes[i], predicted, normal_bits);
         for (const int32_t part : residual) score += static_cast<uint64_t>(std::bit_width(bits::zigzag(part)));

@@ -3,7 +3,7 @@
 //
 // Most normals follow from the positions and from their neighbours:
 //   - a triangle with one normal is flat; mostly that is the one of its plane, which costs the two decisions that say
-//     so, some thousandths of a bit where all are;
+//     so, some thousandths of a bit where all are; else one met there or on a wall shortly before (flat_normal_code.h);
 //   - a corner of another triangle is predicted as modelling tools make normals: from the triangles round its point
 //     whose planes turn from its own by no more than a crease angle, weighted by their angles there, by Max's weights
 //     (1999: exact on spheres), by area or not. The encoder finds crease and weights for the mesh;

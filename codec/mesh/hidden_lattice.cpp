@@ -75,7 +75,11 @@ class Lengths {
         double count;
     };
 
-    static double off_multiple(int32_t length, double s) { return length / s - std::floor(length / s + 0.5); }
+    /// Below 2^15 multiples, so that truncation is std::floor, which would be a call.
+    static double off_multiple(int32_t length, double s) {
+        const double multiple = length / s;
+        return multiple - static_cast<int32_t>(multiple + 0.5);
+    }
 
     /// Mean square of the distance from the nearest multiple, over that of all integers; 1 where it may be chance.
     double unevenness(double s, double most) const {

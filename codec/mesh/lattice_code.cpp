@@ -24,17 +24,36 @@ int64_t code_term(Coder& coder, int64_t term, uint32_t dropped) {
     return negative != 0 ? -value : value;
 }
 
+void take_numbers(std::vector<std::vector<LatticeCode::Point>>& rings, const HiddenLattice& lattice) {
+    for (auto& ring : rings)
+        for (LatticeCode::Point& point : ring) point = lattice.nearest(point);
+}
+
 }  // namespace
 
-void LatticeCode::find(std::vector<std::vector<Point>>& rings, uint32_t dropped) {
-    dropped_ = dropped;
-    while (lattices_.size() < kMostLattices) {
+std::vector<HiddenLattice> LatticeCode::find_lattices(std::vector<std::vector<Point>> rings) {
+    std::vector<HiddenLattice> lattices;
+    while (lattices.size() < kMostLattices) {
         const auto lattice = find_hidden_lattice(rings);
-        if (!lattice) return;
-        lattices_.push_back(*lattice);
-        for (auto& ring : rings)
-            for (Point& point : ring) point = lattice->nearest(point);
+        if (!lattice) break;
+        lattices.push_back(*lattice);
+        take_numbers(rings, *lattice);
     }
+    return lattices;
+}
+
+void LatticeCode::find(std::vector<std::vector<Point>>& rings, uint32_t dropped, KnownLattices* known) {
+    if (known != nullptr && known->rings == rings)
+        take(known->lattices, dropped);
+    else
+        take(find_lattices(rings), dropped);
+    if (known != nullptr) *known = {rings, lattices_};
+    for (const HiddenLattice& lattice : lattices_) take_numbers(rings, lattice);
+}
+
+void LatticeCode::take(std::span<const HiddenLattice> found, uint32_t dropped) {
+    dropped_ = dropped;
+    lattices_.assign(found.begin(), found.end());
 }
 
 template <typename Coder>

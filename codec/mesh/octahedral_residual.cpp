@@ -44,6 +44,11 @@ uint64_t canonical_octahedral(uint64_t packed, uint32_t bits) {
     return code_of(place_of_code(packed, false, bits), octahedral_side(bits), bits);
 }
 
+uint64_t fold_octahedral(const std::array<int32_t, 3>& direction, uint32_t bits) {
+    const int64_t side = octahedral_side(bits);
+    return code_of(place_of(direction, side), side, bits);
+}
+
 std::array<int32_t, 2> octahedral_residual(uint64_t actual, uint64_t predicted, uint32_t bits) {
     const int64_t side = octahedral_side(bits);
     const bool mirrored = is_lower(predicted, bits);

@@ -16,6 +16,9 @@ namespace citystream::codec::mesh {
 /// at the square's rim twice, -z at its four corners. pack_octahedral gives any of them.
 uint64_t canonical_octahedral(uint64_t packed, uint32_t bits);
 
+/// The canonical code of unfold_octahedral's vector.
+uint64_t fold_octahedral(const std::array<int32_t, 3>& direction, uint32_t bits);
+
 /// u and v, each -S..S, of `actual` against `predicted` (any codes).
 std::array<int32_t, 2> octahedral_residual(uint64_t actual, uint64_t predicted, uint32_t bits);
 

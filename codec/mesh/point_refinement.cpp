@@ -22,7 +22,7 @@ PointRefinement::PointRefinement(uint32_t bits)
 void PointRefinement::expect(std::span<const GridPoint> points, uint32_t index, const Origin& origin) {
     error_class_ = 0;
     if (index == 0) {
-        for (size_t k = 0; k < 3; ++k) expected_[k] = std::ldexp(points[0][k], static_cast<int>(bits_));
+        for (size_t k = 0; k < 3; ++k) expected_[k] = points[0][k];
         return;
     }
     const GatePlaces places = places_of(origin.gate, points, errors_);

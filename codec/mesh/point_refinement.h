@@ -17,16 +17,32 @@
 
 namespace citystream::codec::mesh {
 
+/// Coordinates << bits.
+inline void make_room(std::span<GridPoint> points, uint32_t bits) {
+    for (GridPoint& point : points) {
+        for (int32_t& coordinate : point) coordinate = static_cast<int32_t>(static_cast<uint32_t>(coordinate) << bits);
+    }
+}
+
 class PointRefinement {
   public:
     /// Adds `bits` (1..31) bits below what the points have.
     explicit PointRefinement(uint32_t bits);
 
-    /// Refines points[index], where all points before it are refined and those from it on are not. The writer gives the
-    /// whole point. Coordinates have to have room for the bits.
+    /// Refines points[index], where all points before it are refined and those from it on are not. Coordinates have
+    /// room for the bits already, which are 0. The writer gives the whole point.
     template <typename Coder>
     void code(Coder& coder, std::span<GridPoint> points, uint32_t index, const Origin& origin,
-              const GridPoint& whole = {});
+              const GridPoint& whole = {}) {
+        code_part(coder, points, index, origin, {bits_, 0}, whole);
+    }
+    /// Which of the bits a point gets: it lacks `from` bits, and will lack the lowest `to`.
+    struct Part {
+        uint32_t from, to;  ///< bits >= from >= to
+    };
+    template <typename Coder>
+    void code_part(Coder& coder, std::span<GridPoint> points, uint32_t index, const Origin& origin, Part part,
+                   const GridPoint& whole = {});
 
   private:
     static constexpr uint32_t kGuesses = 4;
@@ -45,13 +61,13 @@ class PointRefinement {
 };
 
 template <typename Coder>
-void PointRefinement::code(Coder& coder, std::span<GridPoint> points, uint32_t index, const Origin& origin,
-                           const GridPoint& whole) {
+void PointRefinement::code_part(Coder& coder, std::span<GridPoint> points, uint32_t index, const Origin& origin,
+                                Part part, const GridPoint& whole) {
     expect(points, index, origin);
     for (uint32_t axis = 0; axis < 3; ++axis) {
         set_guesses(points, axis, index, origin.gate);
-        int64_t value = int64_t{points[index][axis]} << bits_;
-        for (uint32_t bit = bits_; bit-- > 0;) {
+        int64_t value = points[index][axis];
+        for (uint32_t bit = part.from; bit-- > part.to;) {
             set_contexts(axis, bit, value);
             const uint32_t one = next_.code(coder, 0, static_cast<uint32_t>(whole[axis]) >> bit & 1);
             value |= int64_t{one} << bit;

@@ -220,9 +220,10 @@ struct Plan {
     std::vector<Prism> prisms;  ///< with all bits
     std::vector<ToldPrism> told;
     LatticeCode lattices;
+    std::vector<HiddenLattice> of_all_bits;
     std::vector<int32_t> heights;
 
-    Plan(std::span<const Prism> given, uint32_t dropped) : visits(order_prisms(given)) {
+    Plan(std::span<const Prism> given, uint32_t dropped, KnownLattices* known) : visits(order_prisms(given)) {
         for (const PrismVisit& visit : visits) {
             prisms.push_back(begun_at(given[visit.prism], visit.start));
             ToldPrism& one = told.emplace_back();
@@ -231,20 +232,32 @@ struct Plan {
             for (const PrismWall& wall : one.prism.walls) heights.push_back(one.prism.top - wall.base);
         }
         // Lattices of all bits say the bits without the lowest, too, if they are no finer than these.
-        take_numbers(prisms, dropped);
+        take_numbers(prisms, dropped, known);
+        of_all_bits = lattices.lattices();
         if (dropped == 0 || lattices.spacing() >= static_cast<double>(uint32_t{1} << dropped)) return;
         std::vector<Prism> coarse;
         for (const ToldPrism& one : told) coarse.push_back(one.prism);
         lattices.clear();
-        take_numbers(coarse, 0);
+        take_numbers(coarse, 0, nullptr);
+    }
+
+    PrismTree tree() const {
+        PrismTree tree;
+        tree.parent.assign(visits.size(), PrismTree::kRoot);
+        tree.lattices = of_all_bits;
+        for (uint32_t v = 0; v < visits.size(); ++v) {
+            tree.source.push_back(visits[v].prism);
+            for (const uint32_t child : visits[v].children) tree.parent[child] = v;
+        }
+        return tree;
     }
 
   private:
-    void take_numbers(const std::vector<Prism>& source, uint32_t dropped) {
+    void take_numbers(const std::vector<Prism>& source, uint32_t dropped, KnownLattices* known) {
         std::vector<std::vector<Point>> rings;
         for (const Prism& prism : source)
             for (const Ring& ring : prism.rings) rings.push_back(ring.points);
-        lattices.find(rings, dropped);
+        lattices.find(rings, dropped, known);
         size_t next = 0;
         for (size_t i = 0; i < told.size(); ++i) {
             told[i].source = source[i].rings;
@@ -257,8 +270,10 @@ struct Plan {
 
 }  // namespace
 
-std::vector<Prism> encode_prisms(bits::RangeEncoder& encoder, std::span<const Prism> prisms, uint32_t dropped) {
-    Plan plan(prisms, dropped);
+std::vector<Prism> encode_prisms(bits::RangeEncoder& encoder, std::span<const Prism> prisms, uint32_t dropped,
+                                 PrismTree* tree, KnownLattices* known) {
+    Plan plan(prisms, dropped, known);
+    if (tree != nullptr) *tree = plan.tree();
     const auto coder = std::make_unique<PrismCoder<bits::RangeEncoder>>(encoder, PrismLimits{~0u});
     if (coder->code_any(prisms.empty() ? 0 : 1) == 0) return {};
     coder->code_heights(std::move(plan.heights));
@@ -281,7 +296,7 @@ std::vector<Prism> encode_prisms(bits::RangeEncoder& encoder, std::span<const Pr
     return std::move(plan.prisms);
 }
 
-Result<std::vector<Prism>> decode_prisms(bits::RangeDecoder& decoder, const PrismLimits& limits) {
+Result<std::vector<Prism>> decode_prisms(bits::RangeDecoder& decoder, const PrismLimits& limits, PrismTree* tree) {
     const Error senseless{"prisms make no sense", decoder.position()};
     std::vector<Prism> prisms;
     const auto coder = std::make_unique<PrismCoder<bits::RangeDecoder>>(decoder, limits);
@@ -290,7 +305,7 @@ Result<std::vector<Prism>> decode_prisms(bits::RangeDecoder& decoder, const Pris
     coder->code_lattices({});
     struct Open {
         ToldPrism told;
-        uint32_t children;
+        uint32_t children, number;
     };
     std::vector<Open> path;
     for (bool more = true; more || !path.empty();) {
@@ -298,6 +313,7 @@ Result<std::vector<Prism>> decode_prisms(bits::RangeDecoder& decoder, const Pris
             ToldPrism told;
             if (!coder->code_prism(told, path.empty() ? nullptr : &path.back().told, 0)) return senseless;
             if (!path.empty()) ++path.back().children;
+            if (tree != nullptr) tree->parent.push_back(path.empty() ? PrismTree::kRoot : path.back().number);
             prisms.push_back(told.prism);
             told.prism = {.rings = {},
                           .base = told.prism.base,
@@ -305,7 +321,7 @@ Result<std::vector<Prism>> decode_prisms(bits::RangeDecoder& decoder, const Pris
                           .walls = {},
                           .top_triangles = {},
                           .floor_triangles = {}};
-            path.push_back({std::move(told), 0});
+            path.push_back({std::move(told), 0, static_cast<uint32_t>(prisms.size() - 1)});
         } else {
             path.pop_back();
             if (path.empty()) break;
@@ -313,6 +329,22 @@ Result<std::vector<Prism>> decode_prisms(bits::RangeDecoder& decoder, const Pris
         const Open& open = path.back();
         more = coder->code_child(open.children, open.told.footprint.rings[0].points.size(), path.size(), 0) != 0;
     }
+    return prisms;
+}
+
+Result<std::vector<Prism>> decode_prisms_within(bits::RangeDecoder& decoder, uint32_t& points, uint32_t& triangles,
+                                                PrismTree* tree) {
+    auto prisms = decode_prisms(decoder, {points}, tree);
+    if (!prisms) return prisms;
+    uint64_t taken_points = 0, taken_triangles = 0;
+    for (const Prism& prism : *prisms) {
+        taken_points += 2 * prism.walls.size();
+        taken_triangles += 2 * prism.walls.size() + prism.top_triangles.size() + prism.floor_triangles.size();
+    }
+    if (taken_points > points || taken_triangles > triangles)
+        return Error{"more prisms than there is room for", decoder.position()};
+    points -= static_cast<uint32_t>(taken_points);
+    triangles -= static_cast<uint32_t>(taken_triangles);
     return prisms;
 }
 

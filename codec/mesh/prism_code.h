@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "codec/bits/range_coder.h"
+#include "codec/mesh/lattice_code.h"
 #include "codec/mesh/prisms.h"
 #include "codec/result.h"
 
@@ -25,13 +26,30 @@ struct PrismLimits {
     uint32_t points = 1u << 22;
 };
 
+/// How prisms were told.
+struct PrismTree {
+    static constexpr uint32_t kRoot = ~uint32_t{0};
+    std::vector<uint32_t> parent;  ///< of each prism in the order told: the earlier one it hangs on, or kRoot
+    std::vector<uint32_t> source;  ///< which of the given prisms each was; a decoder does not fill it
+    /// Of the points with all bits, in the order told; a decoder does not fill them.
+    std::vector<HiddenLattice> lattices;
+};
+
 /// Writes prisms as split_prisms gives them, each coordinate >> dropped (0..29), and returns them as the decoder will
-/// have them (with all their bits). O(n log n) for n points but for the triangles (ring_triangles.h).
-std::vector<Prism> encode_prisms(bits::RangeEncoder& encoder, std::span<const Prism> prisms, uint32_t dropped = 0);
+/// have them (with all their bits). `known`: of the last call (lattice_code.h). O(n log n) for n points but for the
+/// triangles (ring_triangles.h).
+std::vector<Prism> encode_prisms(bits::RangeEncoder& encoder, std::span<const Prism> prisms, uint32_t dropped = 0,
+                                 PrismTree* tree = nullptr, KnownLattices* known = nullptr);
 
 /// The prisms again. For untrusted bytes: an error, or prisms of which rings have at least 3 points below 2^30 in
 /// magnitude, walls and triangles are in range, and base <= top. Call decoder.finish() after the last number that the
 /// bytes hold. Memory is in proportion to the points, and these are within the limits.
-Result<std::vector<Prism>> decode_prisms(bits::RangeDecoder& decoder, const PrismLimits& limits = {});
+Result<std::vector<Prism>> decode_prisms(bits::RangeDecoder& decoder, const PrismLimits& limits = {},
+                                         PrismTree* tree = nullptr);
+
+/// The same with all points and triangles of walls, tops and floors counted against what a mesh may have; what they
+/// take is taken off.
+Result<std::vector<Prism>> decode_prisms_within(bits::RangeDecoder& decoder, uint32_t& points, uint32_t& triangles,
+                                                PrismTree* tree = nullptr);
 
 }  // namespace citystream::codec::mesh

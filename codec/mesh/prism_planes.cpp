@@ -156,15 +156,13 @@ class PlaneCoder {
 
 }  // namespace
 
-void encode_prism_planes(bits::RangeEncoder& encoder, std::span<const Prism> told, uint32_t bits, uint32_t dropped) {
-    std::vector<std::vector<HiddenLattice::Point>> rings;
-    for (const Prism& prism : told)
-        for (const Ring& ring : prism.rings) rings.push_back(ring.points);
-    LatticeCode lattices;
-    lattices.find(rings, dropped);
-    if (lattices.spacing() < static_cast<double>(uint64_t{1} << (bits + dropped))) lattices.clear();
+void encode_prism_planes(bits::RangeEncoder& encoder, std::span<const Prism> told,
+                         std::span<const HiddenLattice> lattices, uint32_t bits, uint32_t dropped) {
+    LatticeCode lattice_code;
+    lattice_code.take(lattices, dropped);
+    if (lattice_code.spacing() < static_cast<double>(uint64_t{1} << (bits + dropped))) lattice_code.clear();
     PlaneCoder<bits::RangeEncoder> coder(encoder, bits);
-    coder.code_lattices(std::move(lattices));
+    coder.code_lattices(std::move(lattice_code));
     for (const Prism& prism : told) {
         Prism coarse = without_low_bits(prism, dropped + bits);
         coder.code(coarse, without_low_bits(prism, dropped));

@@ -12,14 +12,16 @@
 #include <vector>
 
 #include "codec/bits/range_coder.h"
+#include "codec/mesh/hidden_lattice.h"
 #include "codec/mesh/prisms.h"
 #include "codec/result.h"
 
 namespace citystream::codec::mesh {
 
-/// `told` is what encode_prisms returned: all bits. Writes of each coordinate the `bits` bits above the lowest
-/// `dropped`; the ones above these are known. bits 1..30.
-void encode_prism_planes(bits::RangeEncoder& encoder, std::span<const Prism> told, uint32_t bits, uint32_t dropped);
+/// `told` is what encode_prisms returned: all bits; `lattices` those of its tree. Writes of each coordinate the `bits`
+/// bits above the lowest `dropped`; the ones above these are known. bits 1..30.
+void encode_prism_planes(bits::RangeEncoder& encoder, std::span<const Prism> told,
+                         std::span<const HiddenLattice> lattices, uint32_t bits, uint32_t dropped);
 
 /// Gives `prisms`, which lack the bits, these bits. Error: a coordinate would leave the grid, or the bytes have run
 /// out; the prisms are then of no use. Untrusted bytes give any coordinates; base <= top holds as it did.

@@ -290,12 +290,26 @@ GridMesh join(const PrismSplit& split) {
     return mesh;
 }
 
-Prism without_low_bits(Prism prism, uint32_t dropped) {
-    prism.base >>= dropped;
-    prism.top >>= dropped;
-    for (PrismWall& wall : prism.walls) wall.base >>= dropped;
+namespace {
+
+template <typename Change>
+void change_coordinates(Prism& prism, Change change) {
+    prism.base = change(prism.base);
+    prism.top = change(prism.top);
+    for (PrismWall& wall : prism.walls) wall.base = change(wall.base);
     for (Ring& ring : prism.rings)
-        for (GridPlace& point : ring.points) point = {point[0] >> dropped, point[1] >> dropped};
+        for (GridPlace& point : ring.points) point = {change(point[0]), change(point[1])};
+}
+
+}  // namespace
+
+Prism without_low_bits(Prism prism, uint32_t dropped) {
+    change_coordinates(prism, [=](int32_t value) { return value >> dropped; });
+    return prism;
+}
+
+Prism with_low_bits(Prism prism, uint32_t dropped) {
+    change_coordinates(prism, [=](int32_t value) { return static_cast<int32_t>(int64_t{value} << dropped); });
     return prism;
 }
 

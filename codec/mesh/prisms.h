@@ -62,5 +62,7 @@ GridMesh join(const PrismSplit& split);
 
 /// All coordinates >> dropped (0..30).
 Prism without_low_bits(Prism prism, uint32_t dropped);
+/// All coordinates << dropped: the bits that are missing are 0.
+Prism with_low_bits(Prism prism, uint32_t dropped);
 
 }  // namespace citystream::codec::mesh

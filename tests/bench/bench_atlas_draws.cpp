@@ -81,27 +81,43 @@ struct Case {
 
 /// The words of each tile's layers, encoded once for all renderers.
 struct TileLayers {
-    LayerSteps mesh, pages, charts;
+    codec::mesh::MeshLayer mesh;
+    LayerSteps pages, charts;
 };
+
+codec::mesh::MeshLayer mesh_layer_of(const codec::mesh::MeshTile& tile) {
+    const auto steps = codec::mesh::encode_mesh_layer(tile, {});
+    std::vector<std::span<const std::byte>> wire;
+    std::vector<uint32_t> decoded_bytes;
+    for (const auto& step : steps) {
+        wire.emplace_back(step.wire);
+        decoded_bytes.push_back(step.decoded_bytes);
+    }
+    return *codec::mesh::decode_mesh_layer(wire, decoded_bytes, codec::mesh::kAnyMeshChart);
+}
 
 std::vector<TileLayers> encode_tiles(const TexturedCity& city) {
     std::vector<TileLayers> layers;
     for (const CityTile& tile : city.tiles) {
         std::vector<codec::atlas::ChartImage> pictures;
         for (const uint32_t picture : tile.pictures) pictures.push_back(city.pictures[picture]);
-        layers.push_back({codec::mesh::encode_mesh(tile.mesh, 0), *codec::atlas::encode_pages(pictures),
-                          codec::atlas::encode_atlas(pictures)});
+        layers.push_back(
+            {mesh_layer_of(tile.mesh), *codec::atlas::encode_pages(pictures), codec::atlas::encode_atlas(pictures)});
     }
     return layers;
 }
 
-// All steps at once, as the streamer does with what it asked for at once: the layer lies in one piece. Bytes; 0: no
-// room.
-uint64_t upload(VulkanRenderer& renderer, const LayerSteps& steps, LayerId& layer) {
+// Bytes; 0: no room.
+uint64_t upload(VulkanRenderer& renderer, const std::vector<uint32_t>& words, LayerId& layer) {
     layer = renderer.create();
+    return renderer.append(layer, words) ? words.size() * 4 : 0;
+}
+
+// All steps at once, as the streamer does with what it asked for at once: the layer lies in one piece.
+uint64_t upload(VulkanRenderer& renderer, const LayerSteps& steps, LayerId& layer) {
     std::vector<uint32_t> words;
     for (const auto& step : steps) words.insert(words.end(), step.words.begin(), step.words.end());
-    return renderer.append(layer, words) ? words.size() * 4 : 0;
+    return upload(renderer, words, layer);
 }
 
 /// A renderer with the whole city in it.
@@ -124,10 +140,9 @@ Result<AtlasViewer> make_viewer(const TexturedCity& city, std::span<const TileLa
     for (size_t i = 0; i < layers.size(); ++i) {
         TileDraw tile;
         tile.origin = city.tiles[i].origin;
-        tile.mesh_triangles = tile.mesh_dressed_begin = city.tiles[i].mesh.dressed_begin;
-        for (const auto& step : layers[i].mesh)
-            tile.mesh_step_words.push_back(static_cast<uint32_t>(step.words.size()));
-        viewer.geometry_bytes += upload(*viewer.renderer, layers[i].mesh, tile.mesh);
+        tile.mesh_steps = layers[i].mesh.steps;
+        tile.mesh_ranges = layers[i].mesh.resident.ranges;
+        viewer.geometry_bytes += upload(*viewer.renderer, layers[i].mesh.words(), tile.mesh);
         tile.atlas_form = form;
         viewer.texture_bytes += upload(
             *viewer.renderer, form == codec::atlas::AtlasForm::kPages ? layers[i].pages : layers[i].charts, tile.atlas);

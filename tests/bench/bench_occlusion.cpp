@@ -35,7 +35,10 @@ struct Flight {
 
 uint64_t triangles_of(const std::vector<TileDraw>& tiles) {
     uint64_t sum = 0;
-    for (const TileDraw& tile : tiles) sum += tile.facade == kNoLayer ? tile.mesh_triangles : tile.mesh_dressed_begin;
+    for (const TileDraw& tile : tiles) {
+        for (const auto& range : tile.mesh_ranges)
+            sum += tile.facade == kNoLayer || !range.dressed ? range.triangles : 0;
+    }
     return sum;
 }
 

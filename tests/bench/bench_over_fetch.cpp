@@ -126,7 +126,7 @@ bool learn_charts(const SampleCity& city, const DirectoryCache& directory, NodeI
     const DirectoryNode& node = directory.node(index);
     const auto& steps = node.record->steps(Layer::kAtlas);
     if (!names_charts(city.manifest) || steps.empty()) return true;
-    DecodedPrefix atlas, mesh;
+    DecodedPrefix atlas;
     LayerFacts facts;
     DecodeFailure failure;
     const NameLimits limits = {kAnyChart, 0, city.charts.size()};
@@ -137,10 +137,9 @@ bool learn_charts(const SampleCity& city, const DirectoryCache& directory, NodeI
     known.charts_known = true;
     if (!learns_chart_boxes(directory, index)) return true;
     const auto first = std::span(node.record->steps(Layer::kMesh)).first(1);
-    if (!decompress_prefix(wire_of(city, node, Layer::kMesh, 1), first, mesh, failure)) return false;
-    const auto view = codec::mesh::MeshLayerView::create(mesh.words, mesh.step_words, kAnyChart);
-    if (!view) return false;
-    known.chart_boxes = chart_boxes_of(*view, tile_corner(directory, index), double{first[0].error});
+    const auto mesh = decode_mesh_content(wire_of(city, node, Layer::kMesh, 1), first);
+    if (!mesh) return false;
+    known.chart_boxes = chart_boxes_of(*mesh, 1, tile_corner(directory, index), double{first[0].error});
     known.chart_boxes_known = true;
     return true;
 }
@@ -167,12 +166,18 @@ struct Baselines {
 };
 
 /// Adds the prefixes that the rule asks for of every visible leaf.
-void add_visible_leaves(const KnownCity& known, Selector& selector, Received& received) {
+void add_visible_leaves(const KnownCity& known, Selector& selector, const Camera& camera, Received& received) {
     const auto& nodes = known.directory.nodes();
+    const PositionRule positions = position_rule(camera, kTolerance);
     for (NodeIndex i = 0; i < nodes.size(); ++i) {
         if (!nodes[i].is_leaf() || !selector.visible(i)) continue;
         const double scale = selector.pixels_per_metre(i);
-        for (const Layer layer : {Layer::kMesh, Layer::kAtlas, Layer::kFacade}) {
+        received.add_layer(
+            nodes[i], Layer::kMesh,
+            mesh_prefix(nodes[i].record->steps(Layer::kMesh),
+                        usable_steps(nodes[i], known.knowledge.tiles[i], Layer::kMesh),
+                        granted_in(positions, nodes[i].record->bounds, known.directory.manifest().origin)));
+        for (const Layer layer : {Layer::kAtlas, Layer::kFacade}) {
             if (layer == Layer::kFacade && nodes[i].record->flat_facade_error * scale <= kTolerance) continue;
             const uint32_t usable = usable_steps(nodes[i], known.knowledge.tiles[i], layer);
             received.add_layer(nodes[i], layer,
@@ -194,14 +199,15 @@ Baselines baselines_of(const KnownCity& known, const Tour& tour) {
     Selector selector(known.directory, known.knowledge);
     const auto& nodes = known.directory.nodes();
     for (const CameraSample& sample : tour.path.samples) {
-        const Selection chosen = selector.select(Camera::from_sample(sample, 1280, 720), kTolerance, kSlotBytes);
+        const Camera camera = Camera::from_sample(sample, 1280, 720);
+        const Selection chosen = selector.select(camera, kTolerance, kSlotBytes);
         for (const SelectedTile& tile : chosen.tiles) {
             whole.add_whole(nodes[tile.node]);
             whole.add_shared(known.knowledge.tiles[tile.node]);
         }
         Received frame(known.knowledge);
-        add_visible_leaves(known, selector, frame);
-        add_visible_leaves(known, selector, leaves);
+        add_visible_leaves(known, selector, camera, frame);
+        add_visible_leaves(known, selector, camera, leaves);
         if (frame.bytes() > 0) {
             const auto leaf_bytes = static_cast<double>(frame.bytes());
             result.frame_to_leaves.push_back(static_cast<double>(chosen.cost.wire_bytes) / leaf_bytes);

@@ -425,7 +425,8 @@ class LevelChange {
             planes_.push_back(precision_plane(shape, part.positions.words, from));
             expected_.push_back(pack_precision(shape, part.positions.words, from + 1));
             changes_.push_back({&shape, from, from + 1, upload(sources_.back()) | LAYER_REF_DIRECT,
-                                upload(planes_.back()) | LAYER_REF_DIRECT, upload(expected_.back())});
+                                upload(planes_.back()) | LAYER_REF_DIRECT,
+                                upload(expected_.back()) | LAYER_REF_DIRECT});
         }
         table_ = client::create_buffer(device_, client::PrecisionMerger::table_bytes(changes_.size()),
                                        client::BufferPlace::kUpload);

@@ -52,6 +52,7 @@ BruteForce select_by_force(const DirectoryCache& directory, const CityKnowledge&
                            double tolerance) {
     const auto& nodes = directory.nodes();
     std::vector<bool> open(nodes.size());  // every tile above is visible and too coarse
+    const PositionRule positions = position_rule(camera, tolerance);
     BruteForce result;
     for (NodeIndex i = 0; i < nodes.size(); ++i) {
         const Judgement judged = judge(directory, nodes[i], camera, tolerance);
@@ -61,7 +62,10 @@ BruteForce select_by_force(const DirectoryCache& directory, const CityKnowledge&
         if (!reached || !judged.visible || !judged.fine_enough) continue;
         SelectedTile tile;
         tile.node = i;
-        for (const Layer layer : {Layer::kMesh, Layer::kAtlas, Layer::kFacade}) {
+        tile.steps[static_cast<size_t>(Layer::kMesh)] =
+            mesh_prefix(nodes[i].record->steps(Layer::kMesh), usable_steps(nodes[i], knowledge.tiles[i], Layer::kMesh),
+                        granted_in(positions, nodes[i].record->bounds, directory.manifest().origin));
+        for (const Layer layer : {Layer::kAtlas, Layer::kFacade}) {
             if (layer == Layer::kFacade && nodes[i].record->flat_facade_error * judged.pixels_per_metre <= tolerance)
                 continue;
             tile.steps[static_cast<size_t>(layer)] =

@@ -10,14 +10,18 @@
 #include <cstring>
 
 #include "codec/bits/zstd_frame.h"
-#include "codec/mesh/geometry_wire.h"
-#include "codec/mesh/strip_code.h"
+#include "codec/chart_word.h"
+#include "codec/mesh/mesh_layer.h"
+#include "codec/mesh/mesh_triangles.h"
+#include "codec/mesh/mesh_wire.h"
 #include "tests/codec/mesh/triangles_by_place.h"
 
 namespace citystream::bench {
 
 using codec::mesh::GridMesh;
 using codec::mesh::GridPoint;
+using codec::mesh::MeshTile;
+using codec::mesh::MeshVertex;
 
 namespace {
 
@@ -43,30 +47,62 @@ uint64_t plain_bytes(const GridMesh& mesh, uint32_t bits) {
     return mesh.points.size() * position + mesh.triangles.size() * 3 * index;
 }
 
-// Ours. Resident: strips that the GPU decodes, positions packed to the bit.
+// Ours: the mesh layer in one step, each triangle with its plane's normal and one colour for all.
 
+MeshTile tile_of(const GridMesh& mesh) {
+    MeshTile tile;
+    for (const auto& triangle : mesh.triangles) {
+        std::array<std::array<double, 3>, 2> edges{};
+        const GridPoint& a = mesh.points[triangle[0]];
+        for (size_t e = 0; e < 2; ++e) {
+            for (size_t c = 0; c < 3; ++c) edges[e][c] = mesh.points[triangle[e + 1]][c] - a[c];
+        }
+        const auto& [u, v] = edges;
+        const std::array<double, 3> normal = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                                              u[0] * v[1] - u[1] * v[0]};
+        for (const uint32_t index : triangle) {
+            const GridPoint& p = mesh.points[index];
+            tile.indices.push_back(static_cast<uint32_t>(tile.vertices.size()));
+            MeshVertex vertex{{p[0], p[1], p[2]}, {}, {}};
+            for (size_t c = 0; c < 3; ++c) vertex.normal[c] = static_cast<float>(normal[c]);
+            tile.vertices.push_back(vertex);
+        }
+        tile.triangle_chart.push_back(CHART_WORD_UNTEXTURED);
+    }
+    tile.dressed_begin = static_cast<uint32_t>(tile.triangle_chart.size());
+    return tile;
+}
+
+/// As encode_mesh_layer does it, with what is known of where bits go.
 CodedMesh encode_ours(const QuantisedMesh& source, uint32_t bits) {
+    codec::mesh::MeshContentOptions options;
+    options.topology = codec::mesh::MeshTopology::kLocalStrips;
+    options.most_steps = 1;
+    const MeshTile tile = tile_of(source.mesh);
+    auto wire = encode_mesh_wire(make_content(tile, options));
     CodedMesh coded;
     coded.bits = bits;
-    const uint32_t dropped = 0;
-    auto steps = codec::mesh::encode_geometry(source.mesh, {&dropped, 1});
-    coded.parts.push_back({"geometry", std::move(steps.steps[0]), 0});
-    const double rest = 8.0 * static_cast<double>(coded.wire_bytes()) - steps.prism_bits - steps.position_bits;
-    coded.bits_of = {{"prisms", steps.prism_bits}, {"positions", steps.position_bits}, {"topology", rest}};
+    const auto resident = static_cast<uint32_t>(4 * make_resident(wire.content).added_words(0));
+    coded.parts.push_back({"layer", std::move(wire.steps[0]), resident});
+    const auto& parts = wire.bits;
+    coded.bits_of = {{"prisms", parts.prisms},
+                     {"positions", parts.positions},
+                     {"topology", parts.topology},
+                     {"attributes", parts.prism_colours + parts.attributes.normals + parts.attributes.dressed +
+                                        parts.attributes.charts + parts.attributes.texcoords}};
     return coded;
 }
 
 bool decode_ours(const CodedMesh& coded, GridMesh& out) {
     const std::span<const std::byte> step = coded.parts[0].bytes;
-    auto mesh = codec::mesh::decode_geometry({&step, 1});
-    if (mesh) out = std::move(*mesh);
-    return mesh.ok();
-}
-
-uint64_t strip_bytes(const GridMesh& mesh, uint32_t bits) {
-    const auto strips = codec::mesh::encode_strips(mesh.triangles, static_cast<uint32_t>(mesh.points.size()));
-    if (!strips) return plain_bytes(mesh, bits);
-    return 4 * (strips->words.size() + (3 * bits * mesh.points.size() + 31) / 32);
+    const auto layer = codec::mesh::decode_mesh_layer({&step, 1}, {&coded.parts[0].decoded_bytes, 1}, 0);
+    if (!layer) return false;
+    for_each_triangle(layer->content, [&out](const codec::mesh::PlacedTriangle& triangle) {
+        const auto first = static_cast<uint32_t>(out.points.size());
+        out.points.insert(out.points.end(), triangle.places.begin(), triangle.places.end());
+        out.triangles.push_back({first, first + 1, first + 2});
+    });
+    return true;
 }
 
 // Draco at its highest compression level (-cl 10: speed 0), quantised to the same integers.
@@ -236,8 +272,14 @@ uint64_t CodedMesh::wire_bytes() const {
 }
 
 std::vector<MeshCodec> mesh_codecs() {
-    const auto raw_bytes = [](const GridMesh& mesh, uint32_t) { return plain_bytes(mesh, 32); };
-    return {{"default", encode_ours, decode_ours, strip_bytes},
+    const auto layer_bytes = [](const CodedMesh& coded, const GridMesh&) -> uint64_t {
+        return coded.parts[0].decoded_bytes;
+    };
+    const auto plain_bytes = [](const CodedMesh& coded, const GridMesh& mesh) {
+        return bench::plain_bytes(mesh, coded.bits);
+    };
+    const auto raw_bytes = [](const CodedMesh&, const GridMesh& mesh) { return bench::plain_bytes(mesh, 32); };
+    return {{"default", encode_ours, decode_ours, layer_bytes},
             {"draco", encode_draco, decode_draco, plain_bytes},
             {"meshopt", encode_meshopt, decode_meshopt, plain_bytes},
             {"raw", encode_raw, decode_raw, raw_bytes}};

@@ -17,7 +17,7 @@ struct CodedMesh {
     struct Part {
         std::string name;
         std::vector<std::byte> bytes;
-        uint32_t decoded_bytes = 0;  ///< of a zstd frame
+        uint32_t decoded_bytes = 0;  ///< of a zstd frame, or of a layer in GPU memory
     };
     std::vector<Part> parts;
     uint32_t points = 0, indices = 0, bits = 0;
@@ -30,8 +30,8 @@ struct MeshCodec {
     std::string name;
     std::function<CodedMesh(const QuantisedMesh&, uint32_t bits)> encode;
     std::function<bool(const CodedMesh&, codec::mesh::GridMesh&)> decode;  ///< false: the bytes were refused
-    /// What a renderer keeps of the decoded mesh.
-    std::function<uint64_t(const codec::mesh::GridMesh&, uint32_t bits)> resident_bytes;
+    /// What a renderer keeps of the mesh, coded and decoded.
+    std::function<uint64_t(const CodedMesh&, const codec::mesh::GridMesh&)> resident_bytes;
 };
 
 /// default, draco, meshopt, raw.

@@ -12,8 +12,8 @@
 
 #include "codec/bits/bit_stream.h"
 #include "codec/bits/zstd_frame.h"
+#include "codec/mesh/mesh_triangles.h"
 #include "codec/mesh/octahedral.h"
-#include "codec/step_wire.h"
 
 namespace citystream::bench {
 
@@ -60,26 +60,27 @@ void add_frame(Wire& wire, std::span<const std::byte> bytes) {
     wire.decoded_bytes.push_back(static_cast<uint32_t>(bytes.size()));
 }
 
-// Ours: one frame a step, as a city's archive holds it.
+// Ours, as a city's archive holds it.
 
 Wire encode_ours(const PeerMesh& mesh) {
     Wire wire;
     wire.charts = mesh.charts;
-    for (const LayerStep& step : codec::mesh::encode_mesh(mesh.tile, 0)) {
-        wire.parts.push_back(codec::encode_step(step.words));
-        wire.decoded_bytes.push_back(static_cast<uint32_t>(step.words.size() * sizeof(uint32_t)));
+    codec::mesh::MeshLayerOptions options;
+    options.choose_steps = true;
+    for (auto& step : codec::mesh::encode_mesh_layer(mesh.tile, options)) {
+        wire.parts.push_back(std::move(step.wire));
+        wire.decoded_bytes.push_back(step.decoded_bytes);
     }
     return wire;
 }
 
 bool decode_ours(const Wire& wire, Resident& out) {
-    for (size_t i = 0; i < wire.parts.size(); ++i) {
-        const auto words = codec::decode_step(wire.parts[i], wire.decoded_bytes[i]);
-        if (!words) return false;
-        out.words.insert(out.words.end(), words->begin(), words->end());
-        out.step_words.push_back(static_cast<uint32_t>(words->size()));
-    }
-    return codec::mesh::MeshLayerView::create(out.words, out.step_words, wire.charts).ok();
+    const std::vector<std::span<const std::byte>> parts(wire.parts.begin(), wire.parts.end());
+    const auto layer = codec::mesh::decode_mesh_layer(parts, wire.decoded_bytes, wire.charts);
+    if (!layer) return false;
+    out.words = layer->words();
+    out.tile = codec::mesh::to_tile(layer->content);
+    return true;
 }
 
 // Plain arrays, compressed.
@@ -336,7 +337,7 @@ uint64_t Resident::bytes() const {
 }
 
 std::vector<Representation> mesh_representations() {
-    return {{"citystream mesh layer + zstd -19", encode_ours, decode_ours},
+    return {{"citystream mesh layer", encode_ours, decode_ours},
             {"Draco 1.5.5 -cl 10", encode_draco, decode_draco},
             {"meshoptimizer 0.18 + zstd -19", encode_meshoptimizer, decode_meshoptimizer},
             {"packed 20-byte vertices + zstd -19", encode_packed, decode_packed},
@@ -351,15 +352,12 @@ Triangles triangles_of(const PeerMesh& mesh) {
 
 Triangles triangles_of(const Resident& resident, const PeerMesh& of) {
     if (!resident.words.empty()) {
-        const auto view = codec::mesh::MeshLayerView::create(resident.words, resident.step_words, of.charts);
-        if (!view) return {};
         const auto low = minimum_corner(of.tile);
-        return sorted_triangles(view->triangle_count(), [&](size_t corner) {
-            int32_t p[3];
-            view->position(view->index(static_cast<uint32_t>(corner)), p);
+        return sorted_triangles(resident.tile.triangle_chart.size(), [&](size_t corner) {
+            const int32_t* p = resident.tile.vertices[resident.tile.indices[corner]].position;
             return corner_from({static_cast<uint32_t>(p[0] - low[0]), static_cast<uint32_t>(p[1] - low[1]),
                                 static_cast<uint32_t>(p[2] - low[2])},
-                               view->chart_word(static_cast<uint32_t>(corner / 3)));
+                               resident.tile.triangle_chart[corner / 3]);
         });
     }
     return sorted_triangles(resident.indices.size() / 3, [&](size_t corner) {

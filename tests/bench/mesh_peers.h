@@ -52,7 +52,8 @@ struct Wire {
 
 /// What is kept for drawing; each representation fills what it draws from.
 struct Resident {
-    std::vector<uint32_t> words, step_words;  ///< of our layer
+    std::vector<uint32_t> words;  ///< of our layer
+    codec::mesh::MeshTile tile;   ///< what they show
     std::vector<PeerVertex> vertices;
     std::vector<RawVertex> raw;
     std::vector<uint32_t> indices;

@@ -56,7 +56,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
         // A damaged top or wall may have been brought back into order; then there is nothing to write.
         if (!same(shifted, coarse[i])) return 0;
     }
-    mesh::encode_prism_planes(encoder, prisms, count, 0);
+    mesh::encode_prism_planes(encoder, prisms, {}, count, 0);
     const auto bytes = encoder.finish();
     bits::RangeDecoder again(bytes);
     auto read = coarse;

@@ -66,11 +66,12 @@ TEST(BadInput, NumbersThatAreNoneAreWrongUsage) {
         expect_wrong_value(command, option);
     };
     // What else is no number: tests/command_line.
-    for (const char* option : {"--tolerance", "--relief-tolerance", "--texel-tolerance", "--fps", "--supersample"})
+    for (const char* option :
+         {"--tolerance", "--relief-tolerance", "--texel-tolerance", "--position-tolerance", "--fps", "--supersample"})
         refuse(fly, option, "nan");
     for (const char* option : {"--tolerance", "--relief-tolerance", "--rate"}) refuse(load, option, "nan");
-    for (const char* option : {"--tolerance", "--relief-tolerance", "--texel-tolerance", "--tolerances",
-                               "--relief-tolerances", "--gpu-budgets"})
+    for (const char* option : {"--tolerance", "--relief-tolerance", "--texel-tolerance", "--position-tolerance",
+                               "--tolerances", "--relief-tolerances", "--position-tolerances", "--gpu-budgets"})
         refuse(report, option, "nan");
     refuse(report, "--texel-tolerances", "1,nan,2");
     refuse(fly, "--facade-samples", "x");
@@ -88,6 +89,11 @@ TEST(BadInput, ReportRefusesSettingsThatItCannotBuildOrName) {
     };
     refuse({"--saliencies", "ssim:nan", "--", "generate"}, "--saliencies");
     refuse({"--rate-distortions", "-1", "--", "generate"}, "--rate-distortions");
+    refuse({"--mesh-transports", "post", "--", "generate"}, "--mesh-transports");
+    refuse({"--normal-bits", "16,33", "--", "generate"}, "--normal-bits");
+    refuse({"--mesh-topologies", "fan", "--", "generate"}, "--mesh-topologies");
+    refuse({"--precisions", "double", "--", "generate"}, "--precisions");
+    refuse({"--mesh-steps", "0", "--", "generate"}, "--mesh-steps");
     refuse({"--also", "nameless.3tz"}, "--also");
     EXPECT_FALSE(std::filesystem::exists(folder / "report"));
 }
@@ -96,6 +102,12 @@ TEST(BadInput, BuilderNamesTheOptionWhoseValueIsWrong) {
     const TemporaryFolder folder;
     const std::vector<std::vector<std::string>> wrong = {{"--textures", "-3"},
                                                          {"--texture-law", "0.02,1,8"},
+                                                         {"--mesh-transport", "post"},
+                                                         {"--normal-bits", "17"},
+                                                         {"--normal-bits", "34"},
+                                                         {"--mesh-topology", "fan"},
+                                                         {"--precision", "double"},
+                                                         {"--mesh-steps", "5"},
                                                          {"--texture-law", "nan"},
                                                          {"--memory-limit", "nan"},
                                                          {"--origin", "nan,0"},

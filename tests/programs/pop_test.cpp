@@ -27,7 +27,7 @@ struct Drawn {
 Drawn drawn_of(const std::vector<TileDraw>& draws) {
     Drawn drawn;
     for (const TileDraw& draw : draws) {
-        drawn.tiles.emplace_back(draw.origin, draw.mesh_step_words.size());
+        drawn.tiles.emplace_back(draw.origin, draw.mesh_steps);
         drawn.mips.push_back(draw.atlas_finest_mip);
         for (const SharedChartBinding& chart : draw.shared_charts) drawn.mips.push_back(chart.finest_mip);
     }

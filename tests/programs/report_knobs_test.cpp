@@ -81,6 +81,7 @@ void expect_complaint(const Outcome& outcome, const std::string& text) {
 TEST(ReportKnobs, WhatCannotBeBuiltIsOneClearLine) {
     const Workplace& place = workplace();
     expect_complaint(place.report({"--rate-distortions", "4"}), "behind --");
+    expect_complaint(place.report({"--precisions", "ap,cap"}), "behind --");
     expect_complaint(place.report(joined({"--saliencies", "beauty:0.5", "--"}, kCity)), "--saliencies beauty:0.5");
     const Outcome failed = place.report({"--saliencies", "none", "--", "nowhere.city.json"});
     EXPECT_EQ(failed.exit_code, 1);

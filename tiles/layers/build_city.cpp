@@ -136,6 +136,7 @@ class CityBuild {
         Preview preview(objects_->extent(), images);
         TileWorkshop workshop{
             catalog_, images, facades, *numbers, options_.layers, tree->origin, {options_.rate_distortion}};
+        workshop.mesh = options_.mesh;
         ChartDictionary charts;
         auto tiles = build_tiles({options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, charts,
                                   *chart_spool_, preview, clock_, memory.work, made_up_ground});
@@ -229,6 +230,7 @@ class CityBuild {
         if (options_.rate_distortion > 0 && has_atlas())
             manifest_.build_options += fmt::format(" rate-distortion={}", options_.rate_distortion);
         if (in_pages() && has_atlas()) manifest_.build_options += pages_text();
+        manifest_.build_options += to_string(options_.mesh);
     }
 
     std::string pages_text() const {
@@ -265,6 +267,7 @@ Result<BuildSummary> build_city(const BuildOptions& options, const CitySource& s
         if (options.page_mips > PAGES_MOST_MIPS)
             return Error{fmt::format("pages of {} mips; at most {} are possible", *options.page_mips, PAGES_MOST_MIPS)};
     }
+    if (Status good = check_mesh_form(options.mesh); !good) return good.error();
     return CityBuild(options, report).run(source);
 }
 

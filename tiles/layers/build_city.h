@@ -17,6 +17,7 @@
 #include "tiles/layers/aerial_drape.h"
 #include "tiles/layers/dress.h"
 #include "tiles/layers/image_preparation.h"
+#include "tiles/layers/mesh_form.h"
 #include "tiles/layers/relief_extraction.h"
 #include "tiles/layers/stage_clock.h"
 #include "tiles/layers/texture_law.h"
@@ -41,6 +42,7 @@ struct BuildOptions {
     /// (PSNR, SSIM, FLIP against the reference; bytes of the flight): 0: 40.21 dB, 0.9912, 0.0243, 1.49 MB; 4: 40.15,
     /// 0.9907, 0.0251, 1.20; 8: 40.05, 0.9900, 0.0269, 1.08; 16: 39.82, 0.9884, 0.0285, 0.95.
     uint32_t rate_distortion = 4;
+    MeshForm mesh;
     bool shared_charts = true;  ///< pictures that several tiles show are stored once, in the chart dictionary; of
                                 ///< charts only
     codec::atlas::AtlasForm atlas_form = codec::atlas::AtlasForm::kCharts;
@@ -93,7 +95,7 @@ struct BuildSummary {
 };
 
 /// Builds. `report` is filled also when the build fails. Error: no objects, unreadable input, disk, interrupted, pages
-/// asked to share charts or to have too many mips.
+/// asked to share charts or to have too many mips, normals of bits that there are not.
 Result<BuildSummary> build_city(const BuildOptions& options, const CitySource& source, city::CityReport& report);
 
 }  // namespace citystream::tiles::layers

@@ -84,10 +84,7 @@ class Verifier {
             if (facts) charts = facts->chart_count;
         }
         if (charts == 0) charts = UINT32_MAX >> 8;  // the atlas is damaged and named already: only this check is lost
-        if (const auto mesh = decode(tile, Layer::kMesh)) {
-            const auto view = codec::mesh::MeshLayerView::create(mesh->words, mesh->step_words, charts);
-            if (!view) say(tileset::layer_path(Layer::kMesh, tile.address), view.error().text());
-        }
+        check_mesh(tile, charts);
         if (const auto facade = decode(tile, Layer::kFacade)) {
             const auto view =
                 codec::facade::decode_facades(facade->words, static_cast<uint32_t>(manifest_.facade_map_count), charts);
@@ -95,31 +92,50 @@ class Verifier {
         }
     }
 
-    std::optional<DecodedLayer> decode(const TileRecord& tile, Layer layer) {
-        const auto& steps = tile.steps(layer);
-        if (steps.empty()) return std::nullopt;
+    void check_mesh(const TileRecord& tile, uint32_t charts) {
+        const auto wire = steps_of(tile, Layer::kMesh);
+        if (!wire || wire->empty()) return;
+        std::vector<uint32_t> decoded_bytes;
+        for (const tileset::StepRecord& step : tile.steps(Layer::kMesh)) decoded_bytes.push_back(step.decoded_bytes);
+        const auto mesh = codec::mesh::decode_mesh_layer(*wire, decoded_bytes, charts);
+        if (!mesh) say(tileset::layer_path(Layer::kMesh, tile.address), mesh.error().text());
+    }
+
+    /// The bytes of a layer's steps; nothing where they are not what the directory says.
+    std::optional<std::vector<std::span<const std::byte>>> steps_of(const TileRecord& tile, Layer layer) {
         const std::string path = tileset::layer_path(layer, tile.address);
         const auto bytes = reader_->find(path);
-        DecodedLayer out;
+        std::vector<std::span<const std::byte>> out;
         uint64_t begin = 0;
-        for (size_t i = 0; i < steps.size(); ++i) {
-            const tileset::StepRecord& step = steps[i];
+        for (const tileset::StepRecord& step : tile.steps(layer)) {
             if (step.end < begin || step.end > bytes.size())
-                return fail(path, fmt::format("step {} lies outside the entry", i));
-            const auto frame = bytes.subspan(begin, step.end - begin);
-            if (tileset::checksum_of(frame.data(), frame.size()) != step.checksum)
-                return fail(path, fmt::format("step {}: checksum differs", i));
-            const auto words = codec::decode_step(frame, step.decoded_bytes);
-            if (!words) return fail(path, fmt::format("step {}: {}", i, words.error().text()));
-            out.words.insert(out.words.end(), words->begin(), words->end());
-            out.step_words.push_back(static_cast<uint32_t>(words->size()));
+                return fail(path, fmt::format("step {} lies outside the entry", out.size()));
+            out.push_back(bytes.subspan(begin, step.end - begin));
+            if (tileset::checksum_of(out.back().data(), out.back().size()) != step.checksum)
+                return fail(path, fmt::format("step {}: checksum differs", out.size() - 1));
             begin = step.end;
         }
         if (begin != bytes.size()) return fail(path, "bytes follow the last step");
         return out;
     }
 
-    std::optional<DecodedLayer> fail(const std::string& where, const std::string& what) {
+    std::optional<DecodedLayer> decode(const TileRecord& tile, Layer layer) {
+        const auto wire = steps_of(tile, layer);
+        if (!wire || wire->empty()) return std::nullopt;
+        DecodedLayer out;
+        for (size_t i = 0; i < wire->size(); ++i) {
+            const auto words = codec::decode_step((*wire)[i], tile.steps(layer)[i].decoded_bytes);
+            if (!words) {
+                say(tileset::layer_path(layer, tile.address), fmt::format("step {}: {}", i, words.error().text()));
+                return std::nullopt;
+            }
+            out.words.insert(out.words.end(), words->begin(), words->end());
+            out.step_words.push_back(static_cast<uint32_t>(words->size()));
+        }
+        return out;
+    }
+
+    std::nullopt_t fail(const std::string& where, const std::string& what) {
         say(where, what);
         return std::nullopt;
     }

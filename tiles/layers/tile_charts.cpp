@@ -74,6 +74,14 @@ bool looks_equal(const ChartImage& a, const ChartImage& b) {
            a.rgb == b.rgb && a.alpha == b.alpha;
 }
 
+/// About the size of an image's mip `levels` coarser (finer where negative).
+std::array<uint32_t, 2> halved(const std::array<uint32_t, 2>& size, int levels) {
+    const auto side = [levels](uint32_t texels) {
+        return static_cast<uint32_t>(std::clamp(std::ldexp(static_cast<double>(texels), -levels), 1.0, 65536.0));
+    };
+    return {side(size[0]), side(size[1])};
+}
+
 }  // namespace
 
 void TileCharts::note(uint32_t object, const BuildObject& built) {
@@ -150,7 +158,10 @@ bool TileCharts::take_whole(const ImageView& view, bool repeat, uint64_t texels)
     if (!shared) return false;
     const int level = static_cast<int>(shared->coarseness);
     note_blur(view, level);
-    use_whole(view, add_shared(shared->number, std::ldexp(view.texel, level)), repeat);
+    use_whole(view,
+              add_shared(shared->number, std::ldexp(view.texel, level),
+                         halved({view.width, view.height}, level - static_cast<int>(view.level))),
+              repeat);
     return true;
 }
 
@@ -275,7 +286,8 @@ const TileCharts::FacadePicture& TileCharts::find_facade_picture(uint32_t map, u
     const auto shared =
         take({ChartKey::Kind::kFacadePicture, {map, palette}}, texel, facades_.picture_size(map, texel).texels());
     if (shared) {
-        picture = {add_shared(shared->number, shared->metres_per_texel), shared->coarseness};
+        const auto size = facades_.picture_size(map, shared->coarseness);
+        picture = {add_shared(shared->number, shared->metres_per_texel, {size.width, size.height}), shared->coarseness};
     } else {
         picture = {add(*facades_.picture(map, palette, texel)), texel};
     }
@@ -302,8 +314,9 @@ uint32_t TileCharts::facade_material(uint32_t material) {
     const bool alpha = images_.has_alpha(image);
     const auto shared = alpha ? std::nullopt : take({ChartKey::Kind::kRepeatedImage, {image, 0}}, level, texels);
     if (shared) {
+        const int halvings_there = static_cast<int>(shared->coarseness);
         return facade_materials_[material] =
-                   add_shared(shared->number, std::ldexp(texel, static_cast<int>(shared->coarseness)));
+                   add_shared(shared->number, std::ldexp(texel, halvings_there), halved(*sides, halvings_there));
     }
     ChartImage chart = *images_.mip(image, level);
     chart.alpha = {};
@@ -339,7 +352,7 @@ uint32_t TileCharts::add_own(ChartImage image, double asked_texel) {
     return static_cast<uint32_t>(own_index_.size() - 1);
 }
 
-uint32_t TileCharts::add_shared(uint32_t number, double metres_per_texel) {
+uint32_t TileCharts::add_shared(uint32_t number, double metres_per_texel, const std::array<uint32_t, 2>& size) {
     const auto [found, is_new] = by_number_.try_emplace(number, shared_.size());
     if (is_new) {
         own_index_.push_back(kNotOwn);
@@ -347,7 +360,16 @@ uint32_t TileCharts::add_shared(uint32_t number, double metres_per_texel) {
     }
     codec::atlas::SharedChartUse& use = shared_[found->second];
     use.metres_per_texel = std::max(use.metres_per_texel, static_cast<float>(metres_per_texel));
+    std::array<uint32_t, 2>& known = shared_sizes_[use.chart_in_tile];
+    for (size_t axis = 0; axis < 2; ++axis) known[axis] = std::max(known[axis], size[axis]);
     return use.chart_in_tile;
+}
+
+std::array<uint32_t, 2> TileCharts::size_of(uint32_t chart_word) const {
+    if (codec::names_colour(chart_word) || chart_word >= own_index_.size()) return {1, 1};
+    const uint32_t own = own_index_[chart_word];
+    if (own == kNotOwn) return shared_sizes_.at(chart_word);
+    return {own_[own].width, own_[own].height};
 }
 
 }  // namespace citystream::tiles::layers

@@ -59,6 +59,9 @@ class TileCharts {
     /// Of each of own_charts(), metres a texel that it need not be finer than, 0: none; mips are taken as they are, and
     /// are finer than asked for by up to kFinestShare (image_uses.h).
     std::span<const float> asked_texels() const { return asked_; }
+    /// Texels of a chart's finest mip; of a shared one about. {1, 1} of a colour, and of a chart that is not there,
+    /// as all are in cities without pictures.
+    std::array<uint32_t, 2> size_of(uint32_t chart_word) const;
     /// Metres that what the triangles show is blurred by: a texel of images that were halved, of ground pictures and of
     /// facades drawn as pictures; of shared ones as they are in the dictionary. Zero when every image is shown as fine
     /// as it is.
@@ -110,7 +113,7 @@ class TileCharts {
     /// Chart word that shows this image: of a new chart, of an equal one that is there, or its only colour.
     uint32_t add(ChartImage image, double asked_texel = 0);
     uint32_t add_own(ChartImage image, double asked_texel = 0);
-    uint32_t add_shared(uint32_t number, double metres_per_texel);
+    uint32_t add_shared(uint32_t number, double metres_per_texel, const std::array<uint32_t, 2>& size);
     bool is_one_texel(uint32_t chart) const;
 
     const city::CityCatalog& catalog_;
@@ -124,7 +127,8 @@ class TileCharts {
     std::vector<ChartImage> own_;
     std::vector<float> asked_;  // like own_
     std::vector<codec::atlas::SharedChartUse> shared_;
-    std::map<uint32_t, size_t> by_number_;  // of the dictionary: place in shared_
+    std::map<uint32_t, std::array<uint32_t, 2>> shared_sizes_;  // by chart
+    std::map<uint32_t, size_t> by_number_;                      // of the dictionary: place in shared_
     std::multimap<codec::atlas::ContentHash, uint32_t> by_content_;
     std::map<quadtree::Paint, ImagePaint> noted_;
     std::map<std::pair<quadtree::Paint, uint32_t>, ChartUse> image_uses_;

@@ -1,6 +1,7 @@
 #include "tiles/layers/tile_encoder.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "codec/atlas/atlas_layer.h"
@@ -30,23 +31,24 @@ constexpr double kOneRepeat = 65536;  // of texture coordinates
 constexpr int kBaseHeightBits = 16;   // coarser than every bit that a mesh step drops, so that neighbours round alike
 // Pictures that relief is drawn over are placeholders until the tile is so far away that flat facades do; without
 // relief they are all there is of windows.
-constexpr ChartUse kNoChart = {0, {}, {0, 0}};  // of a city without pictures
+constexpr ChartUse kNoChart = {CHART_WORD_UNTEXTURED, {}, {0, 0}};  // of a city without pictures
 constexpr double kFinestFacadeTexel = 0.1, kCoarsestFacadeTexel = 0.8, kCoarsestOnlyTexel = 0.4;
 
-void append_layer(EncodedTile& tile, Layer layer, const LayerSteps& steps) {
+void append_step(EncodedTile& tile, Layer layer, std::span<const std::byte> wire, uint32_t decoded_bytes, float error) {
     std::vector<std::byte>& bytes = tile.bytes[static_cast<size_t>(layer)];
+    bytes.insert(bytes.end(), wire.begin(), wire.end());
+    tileset::StepRecord record;
+    record.end = bytes.size();
+    record.decoded_bytes = decoded_bytes;
+    record.error = error;
+    record.checksum = tileset::checksum_of(wire.data(), wire.size());
+    tile.record.steps(layer).push_back(record);
+}
+
+void append_layer(EncodedTile& tile, Layer layer, const LayerSteps& steps) {
     const auto frames = codec::encode_steps(steps, layer == Layer::kAtlas ? codec::atlas::kBlockZstdLevel : kStepLevel);
-    for (size_t i = 0; i < steps.size(); ++i) {
-        const LayerStep& step = steps[i];
-        const std::vector<std::byte>& frame = frames[i];
-        bytes.insert(bytes.end(), frame.begin(), frame.end());
-        tileset::StepRecord record;
-        record.end = bytes.size();
-        record.decoded_bytes = static_cast<uint32_t>(4 * step.words.size());
-        record.error = step.error;
-        record.checksum = tileset::checksum_of(frame.data(), frame.size());
-        tile.record.steps(layer).push_back(record);
-    }
+    for (size_t i = 0; i < steps.size(); ++i)
+        append_step(tile, layer, frames[i], static_cast<uint32_t>(4 * steps[i].words.size()), steps[i].error);
 }
 
 /// Builds the arrays of a tile in the order: triangles of objects, skirts, then the flat stand-ins of facades.
@@ -283,13 +285,20 @@ class TileAssembly {
     }
 
     void encode(EncodedTile& tile) {
-        append_layer(tile, Layer::kMesh, codec::mesh::encode_mesh(mesh_, tile.record.geometric_error));
+        append_mesh(tile);
         mesh_ = {};
         if (!facade_tile_.placements.empty()) {
             append_layer(tile, Layer::kFacade, codec::facade::encode_facades(facade_tile_));
         }
         if (!charts_.own_charts().empty() || !charts_.shared_charts().empty())
             append_layer(tile, Layer::kAtlas, encode_atlas(tile));
+    }
+
+    void append_mesh(EncodedTile& tile) const {
+        const auto options = workshop_.mesh.layer_options(tile.record.geometric_error, spec_.side,
+                                                          [this](uint32_t chart) { return charts_.size_of(chart); });
+        for (const auto& step : codec::mesh::encode_mesh_layer(mesh_, options))
+            append_step(tile, Layer::kMesh, step.wire, step.decoded_bytes, step.error);
     }
 
     bool has_alpha() const {

@@ -14,6 +14,7 @@
 #include "tiles/layers/chart_wishes.h"
 #include "tiles/layers/facade_numbers.h"
 #include "tiles/layers/facade_painter.h"
+#include "tiles/layers/mesh_form.h"
 #include "tiles/quadtree/build_object.h"
 #include "tiles/tileset/directory.h"
 
@@ -29,6 +30,7 @@ struct TileWorkshop {
     GridPoint city_origin;
     codec::atlas::AtlasOptions atlas = {};
     ChartShelf* charts = nullptr;  ///< the chart dictionary; nothing: every tile has charts of its own only
+    MeshForm mesh = {};
 };
 
 struct TileSpec {

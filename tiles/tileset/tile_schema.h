@@ -16,9 +16,7 @@ namespace citystream::tiles::tileset {
 inline constexpr const char* kSchemaId = "citystream";
 inline constexpr const char* kTileClass = "tile";
 inline constexpr const char* kExtensionName = "CITYSTREAM_layers";
-inline constexpr uint32_t kExtensionVersion = 6, kOldestExtensionVersion = 2;
-/// What says by its number that the city has pages or alpha; newer ones have a property for that.
-inline constexpr uint32_t kPagesOrAlphaVersion = 5;
+inline constexpr uint32_t kExtensionVersion = 7;
 inline constexpr const char* kSubtreeTemplate = "subtrees/{level}/{x}/{y}.subtree";
 std::string layer_template(Layer layer);  ///< "tiles/{level}/{x}/{y}.mesh"
 

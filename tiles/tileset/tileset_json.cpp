@@ -245,9 +245,8 @@ Result<Manifest> parse_tileset_json(std::span<const std::byte> bytes) {
     const JsonFields root = document.object("root");
     read_tiling(root, manifest);
     const JsonFields extension = document.object("extensions").object(kExtensionName);
-    const int64_t version = extension.integer("version", kOldestExtensionVersion, kExtensionVersion);
-    manifest.pages_or_alpha =
-        version > kPagesOrAlphaVersion ? extension.flag("pagesOrAlpha") : version == kPagesOrAlphaVersion;
+    extension.integer("version", kExtensionVersion, kExtensionVersion);
+    manifest.pages_or_alpha = extension.flag("pagesOrAlpha");
     manifest.title = extension.text("title");
     manifest.build_options = extension.text("buildOptions");
     read_space(extension, manifest);

@@ -20,13 +20,13 @@ class DrawnPrefixesTest : public testing::Test {
             index_.learn(path, city_.entries().at(path));
     }
     /// A draw of the first steps of a tile, its words in the store.
-    TileDraw draw_of(const TileRecord& record, size_t mesh_steps, bool atlas) {
+    TileDraw draw_of(const TileRecord& record, uint32_t mesh_steps, bool atlas) {
         const GridPoint origin = city_.manifest().tile_origin(record);
         TileDraw draw;
+        draw.address = record.address;
         draw.origin = {to_metres(origin.x), to_metres(origin.y), to_metres(origin.z)};
         draw.mesh = store_.create();
-        for (size_t i = 0; i < mesh_steps; ++i)
-            draw.mesh_step_words.push_back(record.steps(Layer::kMesh)[i].decoded_bytes / 4);
+        draw.mesh_steps = mesh_steps;
         if (!atlas) return draw;
         draw.atlas = store_.create();
         EXPECT_TRUE(
@@ -56,7 +56,7 @@ TEST_F(DrawnPrefixesTest, EachPrefixCountsOnceAtItsLongest) {
     note({draw});
     EXPECT_EQ(drawn_.bytes(), kStepBytes);
     EXPECT_TRUE(appeared_.empty());
-    draw.mesh_step_words.push_back(child.steps(Layer::kMesh)[1].decoded_bytes / 4);
+    draw.mesh_steps = 2;
     note({draw});
     EXPECT_EQ(drawn_.bytes(), 2 * kStepBytes);
     note({draw_of(child, 1, true)});  // evicted and fetched again: the mesh was counted before
@@ -74,7 +74,7 @@ TEST_F(DrawnPrefixesTest, TilesAtOneCornerAreToldApart) {
 
 TEST_F(DrawnPrefixesTest, UnknownTilesAreLeftOut) {
     TileDraw draw = draw_of(city_.subtree().tiles[0], 1, false);
-    draw.origin[0] += 1;
+    draw.address = {20, 0, 0};
     note({draw});
     EXPECT_EQ(drawn_.bytes(), 0u);
     EXPECT_TRUE(appeared_.empty());

@@ -54,8 +54,15 @@ TEST(ChartTransport, EachTakesWhatTableOneSays) {
     const uint64_t triangles = mesh.triangle_chart.size();
     const auto in_slots = [](uint64_t bytes) { return (bytes + kSlotBytes - 1) / kSlotBytes * kSlotBytes; };
     const FrameCounts uniform = draw_with(ChartTransport::kUniform, mesh).counts;
-    uint32_t runs = 1;
-    for (size_t i = 1; i < triangles; ++i) runs += mesh.triangle_chart[i] != mesh.triangle_chart[i - 1] ? 1 : 0;
+    const std::vector<uint32_t> words = codec::mesh::test::layer_of(mesh).words();
+    const auto view = codec::mesh::ResidentMeshView::create(words, 5);
+    ASSERT_TRUE(view.ok());
+    ASSERT_EQ(view->triangle_count(), triangles);
+    uint32_t runs = 0, triangle = 0;
+    for (const codec::mesh::MeshRange& range : view->ranges()) {
+        for (uint32_t i = 0; i < range.triangles; ++i, ++triangle)
+            runs += i == 0 || view->chart_word(triangle) != view->chart_word(triangle - 1) ? 1 : 0;
+    }
     EXPECT_EQ(uniform.mesh_draws, runs);
     EXPECT_EQ(uniform.coordinate_bytes, 0u);
     const FrameCounts attribute = draw_with(ChartTransport::kAttribute, mesh).counts;
@@ -143,7 +150,7 @@ TEST(ChartTransport, NamesAreThoseOfTheOption) {
 class ChartCoordinatesOfBytes : public testing::Test {
   protected:
     void SetUp() override {
-        mesh_ = codec::mesh::encode_mesh(mixed_boxes(4), 0)[0].words;
+        mesh_ = codec::mesh::test::layer_of(mixed_boxes(4)).words();
         const auto pages = codec::atlas::encode_pages(mixed_charts(), small_pages());
         ASSERT_TRUE(pages.ok());
         table_ = (*pages)[0].words;
@@ -155,15 +162,14 @@ class ChartCoordinatesOfBytes : public testing::Test {
 TEST_F(ChartCoordinatesOfBytes, PackedWordsAreThoseOfTheCodec) {
     const auto packed = make_chart_coordinates(ChartTransport::kPacked, mesh_, table_);
     ASSERT_TRUE(packed.ok());
-    const std::vector<uint32_t> steps = {static_cast<uint32_t>(mesh_.size())};
-    const auto mesh = codec::mesh::MeshLayerView::create(mesh_, steps, 5);
+    const auto mesh = codec::mesh::ResidentMeshView::create(mesh_, 5);
     ASSERT_TRUE(mesh.ok());
     for (uint32_t triangle = 0; triangle < mesh->triangle_count(); ++triangle) {
         const uint32_t* words = &packed->words[size_t{COORDINATE_TRIANGLE_WORDS} * triangle];
         if ((words[0] & PAGES_CHART_FLAT) != 0) continue;
         for (uint32_t corner = 0; corner < 3; ++corner) {
             int32_t texcoord[2];
-            mesh->texcoord(mesh->index(3 * triangle + corner), triangle, texcoord);
+            mesh->texcoord(triangle, corner, texcoord);
             for (size_t axis = 0; axis < 2; ++axis) {
                 const auto own = codec::atlas::decode_wrap_axis(words[1 + 2 * corner + axis], 0);
                 const double left_out = texcoord[axis] / 65536.0 - own.place * codec::atlas::kWrapStep;

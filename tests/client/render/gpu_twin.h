@@ -9,17 +9,16 @@
 #include "client/render/frame_constants.h"
 #include "client/render/pipelines.h"
 #include "client/render/twin_layout.h"
+#include "tests/client/render/device_test.h"
 #include "tests/client/render/scenes.h"
 
 namespace citystream::client::test {
 
-class GpuTwin : public testing::Test {
+class GpuTwin : public DeviceTest {
   protected:
     void SetUp() override {
-        instance_ = create_instance(validation_layer_installed());
-        const Result<VkPhysicalDevice> physical = choose_device(instance_, "", {});
-        ASSERT_TRUE(physical.ok());
-        device_ = create_device(*physical);
+        DeviceTest::SetUp();
+        if (HasFatalFailure()) return;
         pool_ = create_slot_pool(device_, 64 << 20);
     }
 
@@ -27,9 +26,7 @@ class GpuTwin : public testing::Test {
         destroy_slot_pool(pool_);
         for (auto& [code, pass] : passes_) destroy_pass(device_, pass);
         for (Buffer& buffer : buffers_) destroy_buffer(device_, buffer);
-        destroy_device(device_);
-        EXPECT_EQ(instance_.messages->load(), 0u);
-        destroy_instance(instance_);
+        DeviceTest::TearDown();
     }
 
     // Uploads words so that they lie in slots out of order, or in one piece: both ways of reading are tested.
@@ -90,8 +87,6 @@ class GpuTwin : public testing::Test {
         return {words, words + size_t{constants.count} * words_each};
     }
 
-    Instance instance_;
-    Device device_;
     SlotPool pool_;
     std::vector<Buffer> buffers_;
     std::map<const uint32_t*, Pass> passes_;

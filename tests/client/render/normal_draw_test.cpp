@@ -16,6 +16,7 @@
 #include "codec/mesh/octahedral.h"
 #include "shaders/twin_normal.frag.h"
 #include "shaders/twin_normal.vert.h"
+#include "tests/client/render/device_test.h"
 #include "tests/client/render/scenes.h"
 
 namespace citystream::client::test {
@@ -26,13 +27,11 @@ namespace mesh = codec::mesh;
 constexpr uint32_t kHeight = 256, kWidth = 2 * kHeight;
 using Pixels = std::vector<std::array<uint8_t, 4>>;
 
-class NormalDrawing : public testing::Test {
+class NormalDrawing : public DeviceTest {
   protected:
     void SetUp() override {
-        instance_ = create_instance(validation_layer_installed());
-        const Result<VkPhysicalDevice> physical = choose_device(instance_, "", {});
-        ASSERT_TRUE(physical.ok());
-        device_ = create_device(*physical);
+        DeviceTest::SetUp();
+        if (HasFatalFailure()) return;
         target_ = create_frame_target(device_, kWidth, kHeight, 1);
         create_pipeline();
     }
@@ -41,9 +40,7 @@ class NormalDrawing : public testing::Test {
         vkDestroyPipeline(device_.handle, pipeline_, nullptr);
         vkDestroyPipelineLayout(device_.handle, layout_, nullptr);
         destroy_frame_target(device_, target_);
-        destroy_device(device_);
-        EXPECT_EQ(instance_.messages->load(), 0u);
-        destroy_instance(instance_);
+        DeviceTest::TearDown();
     }
 
     Pixels draw(NormalDraw constants, const std::vector<uint32_t>& words, uint32_t vertices) {
@@ -91,8 +88,6 @@ class NormalDrawing : public testing::Test {
         for (VkShaderModule module : modules) vkDestroyShaderModule(device_.handle, module, nullptr);
     }
 
-    Instance instance_;
-    Device device_;
     FrameTarget target_;
     VkPipelineLayout layout_ = VK_NULL_HANDLE;
     VkPipeline pipeline_ = VK_NULL_HANDLE;

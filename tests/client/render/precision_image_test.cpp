@@ -8,6 +8,7 @@
 
 #include "codec/mesh/constrained_precision.h"
 #include "tests/client/render/creased_model.h"
+#include "tests/client/render/device_test.h"
 #include "tests/client/render/precision_picture.h"
 #include "tests/client/render/scenes.h"
 
@@ -20,24 +21,18 @@ using Points = std::vector<codec::mesh::GridPoint>;
 constexpr uint32_t kCommonDropped = 12;
 constexpr uint32_t kSize = 400;
 
-class PrecisionImage : public testing::Test {
+class PrecisionImage : public DeviceTest {
   protected:
     void SetUp() override {
-        instance_ = create_instance(validation_layer_installed());
-        const Result<VkPhysicalDevice> physical = choose_device(instance_, "", {});
-        ASSERT_TRUE(physical.ok());
-        device_ = create_device(*physical);
+        DeviceTest::SetUp();
+        if (HasFatalFailure()) return;
         picture_ = std::make_unique<PrecisionPicture>(device_, kSize, kSize);
     }
     void TearDown() override {
         picture_.reset();
-        destroy_device(device_);
-        EXPECT_EQ(instance_.messages->load(), 0u);
-        destroy_instance(instance_);
+        DeviceTest::TearDown();
     }
 
-    Instance instance_;
-    Device device_;
     std::unique_ptr<PrecisionPicture> picture_;
 };
 

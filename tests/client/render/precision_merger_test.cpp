@@ -1,46 +1,16 @@
 // The GPU's change of bit levels, and its fetch with the rule that closes cracks, against the CPU's, word for word.
 #include "client/render/precision_merger.h"
 
-#include <random>
-
 #include "codec/mesh/binned_buffer.h"
 #include "codec/mesh/texcoord_precision.h"
 #include "shaders/twin_precision.comp.h"
 #include "tests/client/render/gpu_twin.h"
+#include "tests/client/render/precision_shapes.h"
 
 namespace citystream::client::test {
 namespace {
 
 using namespace codec::mesh;
-
-PrecisionShape make_shape(std::mt19937_64& random, uint32_t vertices, uint32_t full_bits, bool with_bins) {
-    PrecisionShape shape;
-    shape.vertices = vertices;
-    shape.full_bits = full_bits;
-    shape.components = 1 + static_cast<uint32_t>(random() % 4);
-    if (!with_bins) shape.components = 3;
-    for (uint32_t c = 1; with_bins && c < shape.components; ++c)
-        shape.leading[c] = static_cast<uint32_t>(random() % (full_bits + 1));
-    if (with_bins && vertices > 0) {
-        shape.bins.clear();
-        uint32_t first = 0;
-        for (uint32_t level = 0; level <= full_bits && first < vertices && shape.bins.size() < PRECISION_MOST_BINS;
-             level += static_cast<uint32_t>(1 + random() % 3)) {
-            shape.bins.push_back({first, level});
-            first += static_cast<uint32_t>(1 + random() % (vertices / 3 + 1));
-        }
-    }
-    return shape;
-}
-
-std::vector<uint32_t> random_words(std::mt19937_64& random, const PrecisionShape& shape) {
-    std::vector<uint32_t> words;
-    for (uint32_t i = 0; i < shape.vertices * shape.components; ++i) {
-        const uint32_t bits = shape.full_bits - shape.leading[i % shape.components];
-        words.push_back(static_cast<uint32_t>(random() & ((uint64_t{1} << bits) - 1)));
-    }
-    return words;
-}
 
 /// A buffer that is to change, and what the CPU makes of it.
 struct Case {
@@ -50,11 +20,7 @@ struct Case {
 };
 
 Case make_case(const PrecisionShape& shape, std::span<const uint32_t> words, uint32_t from, uint32_t to) {
-    Case one{shape, from, to, pack_precision(shape, words, from), {}, {}};
-    for (uint32_t plane = from; plane < to; ++plane) {
-        const auto bits = precision_plane(shape, words, plane);
-        one.planes.insert(one.planes.end(), bits.begin(), bits.end());
-    }
+    Case one{shape, from, to, pack_precision(shape, words, from), planes_between(shape, words, from, to), {}};
     const auto view = PrecisionView::create(one.source);
     EXPECT_TRUE(view.ok());
     one.expected = *change_level(*view, to, one.planes);
@@ -72,7 +38,7 @@ class PrecisionMergerTest : public GpuTwin {
             targets.push_back(host_buffer(4 * one.expected.size() + 4));
             std::memset(targets.back().mapped, 0xee, targets.back().bytes);
             changes.push_back({&one.shape, one.from, one.to, reference_of(one.source), reference_of(one.planes),
-                               targets.back().address});
+                               targets.back().address | LAYER_REF_DIRECT});
         }
         const Buffer table = host_buffer(PrecisionMerger::table_bytes(cases.size()));
         submit_and_wait(device_, [&](VkCommandBuffer commands) {

@@ -6,6 +6,7 @@
 
 #include "client/render/device_choice.h"
 #include "codec/bits/bit_stream.h"
+#include "tests/client/render/device_test.h"
 #include "tests/client/render/scenes.h"
 
 namespace citystream::client::test {
@@ -42,21 +43,8 @@ std::vector<uint32_t> packed(const Elements& elements, uint32_t bits) {
     return writer.finish();
 }
 
-class GpuScan : public testing::Test {
+class GpuScan : public DeviceTest {
   protected:
-    void SetUp() override {
-        instance_ = create_instance(validation_layer_installed());
-        const Result<VkPhysicalDevice> physical = choose_device(instance_, "", {});
-        ASSERT_TRUE(physical.ok());
-        device_ = create_device(*physical);
-    }
-
-    void TearDown() override {
-        destroy_device(device_);
-        EXPECT_EQ(instance_.messages->load(), 0u);
-        destroy_instance(instance_);
-    }
-
     /// Both paths, with and without subgroups where the device has them.
     std::vector<ScanTuning> tunings() const {
         std::vector<ScanTuning> all;
@@ -122,8 +110,6 @@ class GpuScan : public testing::Test {
         return buffer;
     }
 
-    Instance instance_;
-    Device device_;
     Random random_;
 };
 

@@ -29,6 +29,11 @@ class ScatteringStore final : public LayerStore {
         return Done{};
     }
 
+    Result<uint64_t> refine(LayerId layer, uint64_t begin, std::span<const uint32_t> planes,
+                            uint32_t to_level) override {
+        return store_.refine(layer, begin, planes, to_level);
+    }
+
   private:
     LayerStore& store_;
 };

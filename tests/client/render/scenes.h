@@ -13,7 +13,7 @@
 #include "client/render/vulkan_renderer.h"
 #include "codec/atlas/atlas_layer.h"
 #include "codec/facade/facade_layer.h"
-#include "codec/mesh/mesh_layer.h"
+#include "tests/codec/mesh/mesh_layers.h"
 
 namespace citystream::client::test {
 
@@ -148,11 +148,10 @@ inline TileDraw upload_tile(LayerStore& store, const codec::mesh::MeshTile& mesh
                             std::span<const codec::atlas::ChartImage> charts, std::array<double, 3> origin = {}) {
     TileDraw tile;
     tile.origin = origin;
-    const LayerSteps steps = codec::mesh::encode_mesh(mesh, 0);
-    tile.mesh = upload(store, joined(steps));
-    tile.mesh_step_words = step_words(steps);
-    tile.mesh_triangles = static_cast<uint32_t>(mesh.triangle_chart.size());
-    tile.mesh_dressed_begin = mesh.dressed_begin;
+    const codec::mesh::MeshLayer layer = codec::mesh::test::layer_of(mesh);
+    tile.mesh = upload(store, layer.words());
+    tile.mesh_steps = layer.steps;
+    tile.mesh_ranges = layer.resident.ranges;
     if (!charts.empty()) tile.atlas = upload(store, joined(codec::atlas::encode_atlas(charts)));
     return tile;
 }

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "client/render/device_choice.h"
+#include "tests/client/render/device_test.h"
 #include "tests/client/render/scenes.h"
 
 namespace citystream::client::test {
@@ -11,19 +12,11 @@ namespace {
 constexpr uint64_t kSlotWords = kSlotBytes / 4;
 
 // Both ways of writing: mapped chunks, and device memory through a staging buffer.
-class SlotPoolTest : public testing::TestWithParam<bool> {
+class SlotPoolTest : public DeviceTest, public testing::WithParamInterface<bool> {
   protected:
-    void SetUp() override {
-        instance_ = create_instance(validation_layer_installed());
-        const Result<VkPhysicalDevice> physical = choose_device(instance_, "", {});
-        ASSERT_TRUE(physical.ok());
-        device_ = create_device(*physical);
-    }
     void TearDown() override {
         destroy_slot_pool(pool_);
-        destroy_device(device_);
-        EXPECT_EQ(instance_.messages->load(), 0u);
-        destroy_instance(instance_);
+        DeviceTest::TearDown();
     }
 
     void make_pool(uint64_t budget) { pool_ = create_slot_pool(device_, budget, GetParam()); }
@@ -51,8 +44,6 @@ class SlotPoolTest : public testing::TestWithParam<bool> {
         return words;
     }
 
-    Instance instance_;
-    Device device_;
     SlotPool pool_;
 };
 

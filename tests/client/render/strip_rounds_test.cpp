@@ -1,94 +1,17 @@
 // A landscape of many meshes drawn with memory for few of them.
 #include "client/render/strip_rounds.h"
 
-#include <cmath>
-
-#include "tests/client/render/strip_batch.h"
-#include "tests/client/render/strip_view.h"
+#include "tests/client/render/strip_landscape.h"
 
 namespace citystream::client::test {
 namespace {
 
-constexpr uint32_t kPieces = 10, kQuads = 24, kSize = 320;
-
-struct Landscape {
-    std::vector<Words> streams;
-    std::vector<uint32_t> vertices;  ///< two words each, in the streams' order
-    std::vector<uint32_t> first_vertex;
-};
-
-/// Hills of kPieces x kPieces pieces, each a mesh of its own.
-Landscape landscape() {
-    Landscape all;
-    const Topology grid = codec::mesh::quad_grid(kQuads, kQuads, false);
-    const codec::mesh::StripCode code = *codec::mesh::encode_strips(grid.triangles, grid.vertices);
-    for (uint32_t piece = 0; piece < kPieces * kPieces; ++piece) {
-        all.streams.push_back(code.words);
-        all.first_vertex.push_back(static_cast<uint32_t>(all.vertices.size() / 2));
-        for (const uint32_t vertex : code.vertices) {
-            const uint32_t x = piece % kPieces * kQuads + vertex % (kQuads + 1);
-            const uint32_t y = piece / kPieces * kQuads + vertex / (kQuads + 1);
-            const double height = 30 + 15 * std::sin(x * 0.11) + 15 * std::cos(y * 0.07);
-            all.vertices.push_back(x | y << 16);
-            all.vertices.push_back(static_cast<uint32_t>(height));
-        }
-    }
-    return all;
-}
-
-/// From obliquely above: hills hide what is behind them.
-StripViewConstants view_of(const Buffer& vertices) {
-    constexpr float kAcross = 2.0f / (kPieces * kQuads);
-    StripViewConstants constants{
-        {{kAcross, 0, 0, -1}, {0, -0.6f * kAcross, -2 * kAcross, 0.9f}, {0, -0.4f * kAcross, 0, 0.9f}, {0, 0, 0, 1}},
-        {}};
-    std::memcpy(constants.vertices, &vertices.address, 8);
-    return constants;
-}
-
-class StripRoundsDrawing : public StripDecoding {
+class StripRoundsDrawing : public StripLandscape {
   protected:
-    void SetUp() override {
-        StripDecoding::SetUp();
-        view_ = create_strip_view(device_, kSize, kSize);
-        scene_ = landscape();
-        vertices_ = host_buffer(4 * scene_.vertices.size());
-        std::memcpy(vertices_.mapped, scene_.vertices.data(), 4 * scene_.vertices.size());
-        batch_ = upload_batch(scene_.streams);
-    }
-
-    void TearDown() override {
-        destroy_strip_view(device_, view_);
-        StripDecoding::TearDown();
-    }
-
-    std::vector<StripDraw> draws_of(size_t first, const StripPlan& plan) const {
+    std::vector<StripDraw> draws_of(const StripRound& round) const {
         std::vector<StripDraw> draws;
-        for (size_t i = 0; i < plan.corners_at.size(); ++i) {
-            const uint32_t corners = 3 * batch_.streams[first + i].header.triangles;
-            draws.push_back({plan.corners_at[i], corners, scene_.first_vertex[first + i]});
-        }
+        for (size_t i = 0; i < round.count; ++i) draws.push_back(draw_of(round.first + i, round.plan.corners_at[i]));
         return draws;
-    }
-
-    std::vector<uint32_t> pixels() const {
-        const auto* first = static_cast<const uint32_t*>(view_.target.readback.mapped);
-        return {first, first + kSize * kSize};
-    }
-
-    /// From the CPU's corners, all in memory at once.
-    std::vector<uint32_t> picture_of_the_whole() {
-        const Buffer corners = host_buffer(4 * batch_.plan.sizes.corner_words);
-        for (size_t i = 0; i < scene_.streams.size(); ++i) {
-            const CornerList decoded = *codec::mesh::decode_strips(scene_.streams[i]);
-            std::memcpy(static_cast<uint32_t*>(corners.mapped) + batch_.plan.corners_at[i], decoded.data(),
-                        decoded.size() * sizeof decoded[0]);
-        }
-        submit_and_wait(device_, [&](VkCommandBuffer commands) {
-            record_strip_view(commands, view_, view_of(vertices_), {&corners, 0}, draws_of(0, batch_.plan), true);
-            finish_strip_view(commands, view_);
-        });
-        return pixels();
     }
 
     std::vector<uint32_t> picture_in_rounds(const StripDecoder& decoder, const StripRounds& rounds, int frames) {
@@ -99,19 +22,14 @@ class StripRoundsDrawing : public StripDecoding {
             submit_and_wait(device_, [&](VkCommandBuffer commands) {
                 record_strip_rounds(commands, decoder, rounds, memory, records,
                                     [&](VkCommandBuffer, const StripRound& round, const BufferRange& corners) {
-                                        record_strip_view(commands, view_, constants, corners,
-                                                          draws_of(round.first, round.plan), round.first == 0);
+                                        record_strip_view(commands, view_, constants, corners, draws_of(round),
+                                                          round.first == 0);
                                     });
                 finish_strip_view(commands, view_);
             });
         }
         return pixels();
     }
-
-    StripView view_;
-    Landscape scene_;
-    Buffer vertices_;
-    Batch batch_;
 };
 
 TEST_F(StripRoundsDrawing, AModelLargerThanItsMemoryIsDrawnAsAWhole) {

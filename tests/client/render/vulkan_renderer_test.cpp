@@ -90,19 +90,24 @@ TEST(VulkanRenderer, WordsAppendedAfterAFrameRefineTheNextOne) {
     ASSERT_NE(renderer, nullptr);
     const std::vector<codec::atlas::ChartImage> charts = {test_chart(256, 256)};
     const codec::mesh::MeshTile cube = cube_tile({0, 0, 0}, {4, 4, 4});
-    const LayerSteps mesh = codec::mesh::encode_mesh(cube, 0);
+    const auto steps = codec::mesh::encode_mesh_layer(cube, {});
+    ASSERT_GT(steps.size(), 1u);
+    const codec::mesh::MeshLayer first = codec::mesh::test::decoded(steps, 1), mesh = codec::mesh::test::decoded(steps);
     const LayerSteps atlas = codec::atlas::encode_atlas(charts);
     ASSERT_GE(atlas.size(), 2u);
     TileDraw tile = upload_tile(*renderer, cube, {});
-    tile.mesh = upload(*renderer, mesh[0].words);
-    tile.mesh_step_words = step_words(mesh, 1);
+    tile.mesh = upload(*renderer, first.words());
+    tile.mesh_steps = 1;
     tile.atlas = upload(*renderer, atlas[0].words);
     tile.atlas_finest_mip = static_cast<uint32_t>(atlas.size()) - 1;
     const Camera camera = make_camera({-3, -6, 6}, 35, -22);
     const FrameImage coarse = draw_or_fail(*renderer, camera, std::span(&tile, 1));
-    for (size_t s = 1; s < mesh.size(); ++s) ASSERT_TRUE(renderer->append(tile.mesh, mesh[s].words).ok());
+    ASSERT_TRUE(renderer
+                    ->refine(tile.mesh, mesh.resident.words.size(), mesh.resident.planes(1, mesh.steps),
+                             mesh.resident.levels.back())
+                    .ok());
     for (size_t s = 1; s < atlas.size(); ++s) ASSERT_TRUE(renderer->append(tile.atlas, atlas[s].words).ok());
-    tile.mesh_step_words = step_words(mesh);
+    tile.mesh_steps = mesh.steps;
     tile.atlas_finest_mip = 0;
     const FrameImage fine = draw_or_fail(*renderer, camera, std::span(&tile, 1));
     EXPECT_NE(coarse.rgba, fine.rgba);
@@ -238,7 +243,7 @@ TEST(VulkanRenderer, SaysWhatIsWrongWithBadCalls) {
     EXPECT_FALSE(renderer->draw(make_camera({0, 0, 0}, 0, 0, 100, 100), {}, nullptr).ok());
     TileDraw dead;
     dead.mesh = 17;
-    dead.mesh_triangles = 1;
+    dead.mesh_ranges = {{1, RESIDENT_KIND_INDICES, false}};
     EXPECT_FALSE(renderer->draw(make_camera({0, 0, 0}, 0, 0), std::span(&dead, 1), nullptr).ok());
 }
 

@@ -18,6 +18,10 @@ TEST(Variants, TheBuilderIsCalledWithTheCityThenTheSettingThenTheOutput) {
               (std::vector<std::string>{"builder", "generate", "--buildings", "10", "--saliency", "ssim:0.99", "-o",
                                         "a.3tz"}));
     EXPECT_EQ(build_command(options, {"rate-distortion", 16, {}, {}}, "b.3tz")[5], "16");
+    EXPECT_EQ(build_command(options, {"mesh-transport", 0, "draco", {}}, "c.3tz"),
+              (std::vector<std::string>{"builder", "generate", "--buildings", "10", "--mesh-transport", "draco", "-o",
+                                        "c.3tz"}));
+    EXPECT_EQ(build_command(options, {"normal-bits", 24, {}, {}}, "d.3tz")[5], "24");
 }
 
 TEST(Variants, OnlySettingsThatAreBuiltGetAPlaceAndEachItsOwn) {
@@ -29,6 +33,13 @@ TEST(Variants, OnlySettingsThatAreBuiltGetAPlaceAndEachItsOwn) {
     EXPECT_TRUE(settings[0].place.empty());
     EXPECT_NE(settings[1].place, settings[2].place);
     for (size_t i = 1; i < settings.size(); ++i) EXPECT_TRUE(settings[i].place.ends_with(".3tz")) << i;
+}
+
+TEST(Variants, TheFormOfMeshesIsBuilt) {
+    for (const char* knob : {"mesh-transport", "normal-bits", "mesh-topology", "precision", "mesh-steps"})
+        EXPECT_TRUE(is_built(knob)) << knob;
+    for (const char* knob : {"tolerance", "position-tolerance", "archive", "gpu-budget"})
+        EXPECT_FALSE(is_built(knob)) << knob;
 }
 
 TEST(Variants, ABuilderThatFailsOrIsNotThereIsAnErrorThatSaysWhatWasTried) {

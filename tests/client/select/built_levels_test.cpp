@@ -233,11 +233,9 @@ TEST_P(BuiltLevelsOfForm, AnUntexturedBuildingLoadsNoAtlas) {
     const AtlasContent walls = content_of(city, city.city.tiles.at(textured));
     EXPECT_GE(walls.texels, uint64_t{kLeafTexels} * kLeafTexels / 2);
     EXPECT_TRUE(city.city.tiles.at(plain).steps(Layer::kAtlas).empty());
-    const auto words = layer_words(city.city, city.city.tiles.at(plain), Layer::kMesh);
-    const auto mesh = codec::mesh::MeshLayerView::create(words.words, words.step_words, 0);
-    ASSERT_TRUE(mesh.ok()) << mesh.error().text();
-    ASSERT_GT(mesh->triangle_count(), 0U);
-    EXPECT_TRUE(codec::names_colour(mesh->chart_word(0))) << "its mesh names its colour";
+    const codec::mesh::MeshTile mesh = mesh_of(city.city, city.city.tiles.at(plain));
+    ASSERT_FALSE(mesh.triangle_chart.empty());
+    EXPECT_TRUE(codec::names_colour(mesh.triangle_chart[0])) << "its mesh names its colour";
     // Of the tile above them all, what the textured walls show is there, and nothing beside it.
     const BuiltCity without = thesis_city(GetParam(), false);
     const AtlasContent root = content_of(city, city.city.tiles.at({})),

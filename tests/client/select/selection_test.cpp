@@ -209,18 +209,16 @@ TEST(Selection, TakesTheShortestPrefixBelowTheTolerance) {
         const Camera camera = all.city.camera(400, 400, z, 30, -40);
         for (const SelectedTile& tile : selector.select(camera, 1.0, 4096).tiles) {
             const TileRecord& record = *all.directory.node(tile.node).record;
-            for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
-                const uint32_t steps = tile.steps_of(layer);
-                const auto& table = record.steps(layer);
-                ASSERT_GE(steps, 1u);
-                ASSERT_LE(steps, table.size());
-                const bool last = steps == table.size();
-                EXPECT_TRUE(last || table[steps - 1].error * tile.pixels_per_metre <= 1.0);
-                if (steps > 1) {
-                    EXPECT_GT(table[steps - 2].error * tile.pixels_per_metre, 1.0);
-                }
-                partial += last ? 0 : 1;
+            const uint32_t steps = tile.steps_of(Layer::kAtlas);
+            const auto& table = record.steps(Layer::kAtlas);
+            ASSERT_GE(steps, 1u);
+            ASSERT_LE(steps, table.size());
+            const bool last = steps == table.size();
+            EXPECT_TRUE(last || table[steps - 1].error * tile.pixels_per_metre <= 1.0);
+            if (steps > 1) {
+                EXPECT_GT(table[steps - 2].error * tile.pixels_per_metre, 1.0);
             }
+            partial += last ? 0 : 1;
             if (record.steps(Layer::kFacade).empty()) continue;
             const bool shows = record.flat_facade_error * tile.pixels_per_metre > 1.0;
             EXPECT_EQ(tile.steps_of(Layer::kFacade), shows ? 1 : 0);
@@ -230,6 +228,44 @@ TEST(Selection, TakesTheShortestPrefixBelowTheTolerance) {
     EXPECT_GT(partial, 0u);
     EXPECT_GT(facades, 0u);
     EXPECT_GT(no_facades, 0u);
+}
+
+TEST(Selection, TakesTheFirstStepOfAMeshThatItsNearestCellMayStopAt) {
+    World& all = world();
+    std::map<uint32_t, uint32_t> tiles_by_steps;
+    for (const double pixels : {0.25, 1.0, 4.0}) {
+        Selector selector(all.directory, all.knowledge, {}, {}, pixels);
+        for (double z = 10; z < 1500; z *= 1.5) {
+            const Camera camera = all.city.camera(400, 400, z, 30, -40);
+            const Selection chosen = selector.select(camera, 1.0, 4096);
+            EXPECT_EQ(chosen.position_tolerance, pixels);
+            for (const SelectedTile& tile : chosen.tiles) {
+                const TileRecord& record = *all.directory.node(tile.node).record;
+                const auto dropped = dropped_bits(record.steps(Layer::kMesh));
+                const uint32_t granted =
+                    granted_in(position_rule(camera, pixels), record.bounds, all.city.manifest.origin);
+                const uint32_t steps = tile.steps_of(Layer::kMesh);
+                ASSERT_GE(steps, 1u);
+                const bool last = steps == record.steps(Layer::kMesh).size();
+                EXPECT_TRUE(last || dropped[steps - 1] <= granted);
+                EXPECT_TRUE(steps == 1 || dropped[steps - 2] > granted);
+                ++tiles_by_steps[steps];
+            }
+        }
+    }
+    EXPECT_EQ(tiles_by_steps.size(), 3u) << "some number of steps is never chosen: the test is too easy";
+}
+
+TEST(Selection, ABudgetRaisesTheToleranceOfPositionsToo) {
+    World& all = world();
+    Selector selector(all.directory, all.knowledge, {}, {}, 0.5);
+    const Camera camera = all.city.camera(300, 300, 20, 30, -20);
+    const uint64_t whole = selector.select(camera, 1.0, 1024).cost.slots;
+    const Selection bound = selector.select_within(camera, 1.0, {1024, whole / 2, ~uint64_t{0}, 0});
+    ASSERT_GT(bound.tolerance, 1.0);
+    EXPECT_EQ(bound.position_tolerance, 0.5 * bound.tolerance);
+    EXPECT_EQ(bound.positions.drop.distance_per_unit,
+              position_rule(camera, 0.5 * bound.tolerance).drop.distance_per_unit);
 }
 
 /// The rule for levels read straight from its statement: of each wall (which run along x here) the coarsest level whose
@@ -430,7 +466,7 @@ TEST(Selection, HoldsTheHostBudgetToo) {
     const Selection free = selector.select(camera, 1.0, 1024);
     const uint64_t limit = free.cost.wire_bytes / 3;
     const Selection bound = selector.select_within(camera, 1.0, {1024, ~uint64_t{0}, limit, 100});
-    EXPECT_LE(bound.cost.wire_bytes + 100 * bound.cost.layers + 2 * bound.cost.largest_decoded, limit);
+    EXPECT_LE(bound.cost.wire_bytes + 100 * bound.cost.layers + bound.cost.largest_scratch, limit);
     EXPECT_GT(bound.tolerance, 1.0);
 }
 

@@ -6,21 +6,12 @@
 #include <random>
 
 #include "tests/client/stream/synthetic_city.h"
+#include "tests/codec/mesh/mesh_layers.h"
 
 namespace citystream::client {
 namespace {
 
 using tiles::tileset::Bounds;
-
-std::vector<uint32_t> words_of(const LayerSteps& steps, size_t count, std::vector<uint32_t>& step_words) {
-    std::vector<uint32_t> words;
-    step_words.clear();
-    for (size_t i = 0; i < count; ++i) {
-        words.insert(words.end(), steps[i].words.begin(), steps[i].words.end());
-        step_words.push_back(static_cast<uint32_t>(steps[i].words.size()));
-    }
-    return words;
-}
 
 /// Triangles here and there in 100 x 100 x 30 m, each showing one of the charts.
 codec::mesh::MeshTile scattered(const std::vector<uint32_t>& charts) {
@@ -49,14 +40,13 @@ bool inside(const Bounds& box, const int32_t at[3], const std::array<double, 3>&
 
 TEST(ChartBoxes, OfTheFirstStepHoldTheTrianglesOfTheirChartInEveryStep) {
     const codec::mesh::MeshTile tile = scattered({5, 0, 17, 300});
-    const LayerSteps steps = codec::mesh::encode_mesh(tile, 0.5f);
+    codec::mesh::MeshLayerOptions options;
+    options.content.finest_error_metres = 0.5f;
+    const auto steps = codec::mesh::encode_mesh_layer(tile, options);
     ASSERT_GT(steps.size(), 1u);
-    std::vector<uint32_t> step_words;
-    const std::vector<uint32_t> first = words_of(steps, 1, step_words);
-    const auto coarse = codec::mesh::MeshLayerView::create(first, step_words, 301);
-    ASSERT_TRUE(coarse);
+    const codec::mesh::MeshLayer coarse = codec::mesh::test::decoded(steps, 1);
     const std::array<double, 3> corner = {1000, -50, 7};
-    const std::vector<ChartBox> boxes = chart_boxes_of(*coarse, corner, double{steps[0].error});
+    const std::vector<ChartBox> boxes = chart_boxes_of(coarse.content, 1, corner, double{steps[0].error});
     ASSERT_EQ(boxes.size(), 4u);
     std::map<uint32_t, Bounds> box_of;
     for (size_t i = 0; i < boxes.size(); ++i) {
@@ -67,25 +57,18 @@ TEST(ChartBoxes, OfTheFirstStepHoldTheTrianglesOfTheirChartInEveryStep) {
         EXPECT_TRUE(inside(box_of[tile.triangle_chart[i / 3]], tile.vertices[tile.indices[i]].position, corner));
     }
     for (size_t count = 1; count <= steps.size(); ++count) {
-        const std::vector<uint32_t> words = words_of(steps, count, step_words);
-        const auto mesh = codec::mesh::MeshLayerView::create(words, step_words, 301);
-        ASSERT_TRUE(mesh);
-        for (uint32_t i = 0; i < 3 * mesh->triangle_count(); ++i) {
-            int32_t at[3];
-            mesh->position(mesh->index(i), at);
-            EXPECT_TRUE(inside(box_of[mesh->chart_word(i / 3)], at, corner)) << count << " steps";
-        }
+        const codec::mesh::MeshContent content = codec::mesh::test::decoded(steps, count).content;
+        codec::mesh::for_each_triangle(content, static_cast<uint32_t>(count), [&](const auto& triangle) {
+            for (const auto& place : triangle.places)
+                EXPECT_TRUE(inside(box_of[triangle.chart_word], place.data(), corner)) << count << " steps";
+        });
     }
 }
 
 TEST(ChartBoxes, AreNoLargerThanTheTrianglesNeed) {
     const codec::mesh::MeshTile tile = scattered({2});
-    const LayerSteps steps = codec::mesh::encode_mesh(tile, 0);
-    std::vector<uint32_t> step_words;
-    const std::vector<uint32_t> words = words_of(steps, steps.size(), step_words);
-    const auto mesh = codec::mesh::MeshLayerView::create(words, step_words, 3);
-    ASSERT_TRUE(mesh);
-    const auto boxes = chart_boxes_of(*mesh, {0, 0, 0}, 0);
+    const codec::mesh::MeshLayer layer = codec::mesh::test::layer_of(tile);
+    const auto boxes = chart_boxes_of(layer.content, layer.steps, {0, 0, 0}, 0);
     ASSERT_EQ(boxes.size(), 1u);
     for (size_t axis = 0; axis < 3; ++axis) {
         double low = 1e9, high = -1e9;

@@ -101,13 +101,24 @@ class SyntheticCity {
         return codec::bits::compress_frame(std::as_bytes(words), 3);
     }
 
+    struct WireStep {
+        std::vector<std::byte> wire;
+        uint32_t decoded_bytes;
+        float error;
+    };
     void write_layer(TileRecord& record, Layer layer, const LayerSteps& steps) {
+        std::vector<WireStep> wire;
+        for (const LayerStep& step : steps)
+            wire.push_back({frame_of(step.words), static_cast<uint32_t>(4 * step.words.size()), step.error});
+        write_steps(record, layer, wire);
+    }
+
+    void write_steps(TileRecord& record, Layer layer, const std::vector<WireStep>& steps) {
         std::vector<std::byte> entry;
-        for (const LayerStep& step : steps) {
-            const std::vector<std::byte> frame = frame_of(step.words);
-            entry.insert(entry.end(), frame.begin(), frame.end());
-            record.steps(layer).push_back({entry.size(), static_cast<uint32_t>(4 * step.words.size()), step.error,
-                                           tiles::tileset::checksum_of(frame.data(), frame.size())});
+        for (const WireStep& step : steps) {
+            entry.insert(entry.end(), step.wire.begin(), step.wire.end());
+            record.steps(layer).push_back({entry.size(), step.decoded_bytes, step.error,
+                                           tiles::tileset::checksum_of(step.wire.data(), step.wire.size())});
         }
         const auto index = static_cast<size_t>(layer);
         manifest.wire_bytes[index] += entry.size();
@@ -178,7 +189,12 @@ class SyntheticCity {
             }
         }
         mesh.dressed_begin = static_cast<uint32_t>(mesh.triangle_chart.size()) - 4;
-        write_layer(record, Layer::kMesh, codec::mesh::encode_mesh(mesh, record.geometric_error));
+        codec::mesh::MeshLayerOptions options;
+        options.content.finest_error_metres = record.geometric_error;
+        std::vector<WireStep> steps;
+        for (auto& step : codec::mesh::encode_mesh_layer(mesh, options))
+            steps.push_back({std::move(step.wire), step.decoded_bytes, step.error});
+        write_steps(record, Layer::kMesh, steps);
     }
 
     static codec::atlas::ChartImage noise(uint32_t side, double metres_per_texel, uint32_t state) {

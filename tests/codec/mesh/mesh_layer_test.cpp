@@ -4,30 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <map>
 #include <random>
 
+#include "codec/bits/range_coder.h"
 #include "codec/chart_word.h"
-#include "codec/mesh/mesh_layout.h"
 #include "codec/mesh/octahedral.h"
-#include "tests/codec/damage.h"
+#include "codec/mesh/octahedral_residual.h"
+#include "tests/codec/mesh/mesh_layers.h"
 
 namespace citystream::codec::mesh {
 namespace {
 
-struct Prefix {
-    std::vector<uint32_t> words;
-    std::vector<uint32_t> step_words;
-};
-
-Prefix prefix_of(const LayerSteps& steps, size_t count) {
-    Prefix prefix;
-    for (size_t s = 0; s < count; ++s) {
-        prefix.words.insert(prefix.words.end(), steps[s].words.begin(), steps[s].words.end());
-        prefix.step_words.push_back(static_cast<uint32_t>(steps[s].words.size()));
-    }
-    return prefix;
-}
+using test::decoded;
+using test::decoded_bytes_of;
+using test::layer_of;
+using test::wire_of;
 
 MeshVertex vertex_at(int32_t x, int32_t y, int32_t z, int32_t u = 0, int32_t v = 0) {
     return {{x, y, z}, {0, 0, 1}, {u, v}};
@@ -59,52 +51,122 @@ MeshTile random_tile(uint32_t seed, int32_t span) {
     return tile;
 }
 
-/// Largest distance between the corners of a tile and of a decoded prefix, in metres; checks all other attributes on
-/// the way.
-double compare_corners(const MeshTile& tile, const MeshTile& decoded) {
-    EXPECT_EQ(decoded.indices.size(), tile.indices.size());
-    EXPECT_EQ(decoded.triangle_chart, tile.triangle_chart);
-    EXPECT_EQ(decoded.dressed_begin, tile.dressed_begin);
-    double worst = 0;
-    for (size_t i = 0; i < tile.indices.size(); ++i) {
-        const MeshVertex& want = tile.vertices[tile.indices[i]];
-        const MeshVertex& got = decoded.vertices[decoded.indices[i]];
-        double square = 0;
-        for (int c = 0; c < 3; ++c) {
-            const double d = (want.position[c] - got.position[c]) / 1024.0;
-            square += d * d;
+/// A triangle as a reader of the layer sees it, whatever its place in the order: turned to begin with the least corner.
+struct SeenCorner {
+    std::array<int32_t, 3> position;
+    uint32_t normal;
+    std::array<int32_t, 2> texcoord;
+    friend auto operator<=>(const SeenCorner&, const SeenCorner&) = default;
+};
+struct SeenTriangle {
+    uint32_t chart;
+    bool dressed;
+    std::array<SeenCorner, 3> corners;
+    friend auto operator<=>(const SeenTriangle&, const SeenTriangle&) = default;
+};
+
+std::vector<SeenTriangle> seen(const MeshTile& tile) {
+    std::vector<SeenTriangle> triangles;
+    for (uint32_t t = 0; t < tile.triangle_chart.size(); ++t) {
+        SeenTriangle triangle{tile.triangle_chart[t], t >= tile.dressed_begin, {}};
+        for (uint32_t k = 0; k < 3; ++k) {
+            const MeshVertex& v = tile.vertices[tile.indices[3 * t + k]];
+            const uint64_t normal = canonical_octahedral(pack_octahedral16(v.normal), 8);
+            triangle.corners[k] = {{v.position[0], v.position[1], v.position[2]}, static_cast<uint32_t>(normal), {}};
+            if (!names_colour(triangle.chart)) triangle.corners[k].texcoord = {v.texcoord[0], v.texcoord[1]};
         }
-        worst = std::max(worst, std::sqrt(square));
-        float normal[3];
-        unpack_octahedral16(pack_octahedral16(want.normal), normal);
-        for (int c = 0; c < 3; ++c) EXPECT_EQ(got.normal[c], normal[c]);
-        for (int c = 0; c < 2; ++c) EXPECT_EQ(got.texcoord[c], want.texcoord[c]);
+        std::rotate(triangle.corners.begin(), std::min_element(triangle.corners.begin(), triangle.corners.end()),
+                    triangle.corners.end());
+        triangles.push_back(triangle);
     }
-    return worst;
+    std::sort(triangles.begin(), triangles.end());
+    return triangles;
+}
+
+MeshLayerOptions with_error(float finest) {
+    MeshLayerOptions options;
+    options.content.finest_error_metres = finest;
+    return options;
+}
+
+MeshLayerOptions travelling_by(MeshTransport transport) {
+    MeshLayerOptions options;
+    options.transport = transport;
+    options.content.most_steps = transport == MeshTransport::kDraco ? 1 : 3;
+    return options;
+}
+
+uint64_t bytes_of(const std::vector<MeshLayerStep>& steps) {
+    uint64_t bytes = steps[0].wire.size();
+    for (const MeshLayerStep& step : steps) bytes += step.wire.size();
+    return bytes;
+}
+
+constexpr std::array<MeshTransport, 2> kTransports = {MeshTransport::kDefault, MeshTransport::kDraco};
+
+TEST(MeshLayer, StepsAreChosenWhenAskedFor) {
+    MeshLayerOptions all = travelling_by(MeshTransport::kDefault), chosen = all;
+    chosen.choose_steps = true;
+    EXPECT_EQ(3u, encode_mesh_layer(one_triangle(), all).size());
+    EXPECT_LE(bytes_of(encode_mesh_layer(one_triangle(), chosen)), bytes_of(encode_mesh_layer(one_triangle(), all)));
 }
 
 TEST(MeshLayer, AllStepsGiveBackTheTileExactlyWhenTheGeometryHasNoError) {
-    for (const int32_t span : {30000, 1 << 20, 1 << 28}) {
-        const MeshTile tile = random_tile(1, span);
-        const LayerSteps steps = encode_mesh(tile, 0);
-        ASSERT_EQ(steps.size(), 3u);
-        const Prefix prefix = prefix_of(steps, 3);
-        const auto decoded = decode_mesh(prefix.words, prefix.step_words, 13);
-        ASSERT_TRUE(decoded.ok()) << decoded.error().text();
-        EXPECT_EQ(compare_corners(tile, *decoded), 0.0);
-        EXPECT_EQ(steps.back().error, 0.0f);
+    for (const MeshTransport transport : kTransports) {
+        for (const int32_t span : {30000, 1 << 20, 1 << 28}) {
+            if (transport == MeshTransport::kDraco && span > 1 << 20) continue;  // travels by our own
+            const MeshTile tile = random_tile(1, span);
+            const auto steps = encode_mesh_layer(tile, travelling_by(transport));
+            ASSERT_EQ(steps.size(), transport == MeshTransport::kDefault ? 3u : 1u);
+            const auto back = seen(to_tile(decoded(steps).content)), there = seen(tile);
+            ASSERT_EQ(back.size(), there.size());
+            for (size_t i = 0; i < there.size(); ++i) {
+                EXPECT_EQ(back[i].chart, there[i].chart);
+                EXPECT_EQ(back[i].dressed, there[i].dressed);
+                for (size_t k = 0; k < 3; ++k) {
+                    EXPECT_EQ(back[i].corners[k].position, there[i].corners[k].position);
+                    EXPECT_EQ(back[i].corners[k].normal, there[i].corners[k].normal);
+                    EXPECT_EQ(back[i].corners[k].texcoord, there[i].corners[k].texcoord);
+                }
+            }
+            EXPECT_EQ(steps.back().error, 0.0f);
+        }
     }
+}
+
+TEST(MeshLayer, GpuWordsShowTheTrianglesOfTheContent) {
+    const MeshLayer layer = layer_of(random_tile(7, 1 << 20));
+    const std::vector<uint32_t> words = layer.words();
+    const auto view = ResidentMeshView::create(words, 13);
+    ASSERT_TRUE(view.ok()) << view.error().text();
+    std::map<uint32_t, int> of_content, of_words;
+    for_each_triangle(layer.content, [&](const PlacedTriangle& triangle) { ++of_content[triangle.chart_word]; });
+    for (uint32_t t = 0; t < view->triangle_count(); ++t) ++of_words[view->chart_word(t)];
+    EXPECT_EQ(of_content, of_words);
+    uint32_t triangles = 0, dressed = 0;
+    for (const MeshRange& range : layer.resident.ranges) (range.dressed ? dressed : triangles) += range.triangles;
+    EXPECT_EQ(triangles, 400u);
+    EXPECT_EQ(dressed, 100u);
 }
 
 TEST(MeshLayer, EveryPrefixDecodesWithinItsStatedError) {
     for (const float finest : {0.0f, 0.05f, 1.0f, 40.0f}) {
-        const MeshTile tile = random_tile(2, 1 << 19);
-        const LayerSteps steps = encode_mesh(tile, finest);
+        MeshTile tile = random_tile(2, 1 << 19);
+        // Numbered by their texture coordinates, so that a point is found again.
+        for (size_t i = 0; i < tile.vertices.size(); ++i) tile.vertices[i].texcoord[0] = static_cast<int32_t>(i);
+        const auto steps = encode_mesh_layer(tile, with_error(finest));
         for (size_t count = 1; count <= steps.size(); ++count) {
-            const Prefix prefix = prefix_of(steps, count);
-            const auto decoded = decode_mesh(prefix.words, prefix.step_words, 13);
-            ASSERT_TRUE(decoded.ok()) << decoded.error().text();
-            EXPECT_LE(compare_corners(tile, *decoded), static_cast<double>(steps[count - 1].error - finest) + 1e-6);
+            const MeshTile back = to_tile(decoded(steps, count).content, static_cast<uint32_t>(count));
+            ASSERT_EQ(back.triangle_chart.size(), tile.triangle_chart.size());
+            double worst = 0;
+            for (const uint32_t index : back.indices) {
+                const MeshVertex& got = back.vertices[index];
+                const MeshVertex& want = tile.vertices[static_cast<size_t>(got.texcoord[0])];
+                double square = 0;
+                for (int c = 0; c < 3; ++c) square += std::pow((want.position[c] - got.position[c]) / 1024.0, 2);
+                worst = std::max(worst, std::sqrt(square));
+            }
+            EXPECT_LE(worst, static_cast<double>(steps[count - 1].error - finest) + 1e-6);
             if (count > 1) {
                 EXPECT_LT(steps[count - 1].error, steps[count - 2].error);
             }
@@ -120,188 +182,87 @@ TEST(MeshLayer, CoordinatesOnTileBordersAreExactInEveryStep) {
         MeshTile tile;
         tile.vertices = {vertex_at(border, 777, 3), vertex_at(other, 12345, 900), vertex_at(border, -31, 71)};
         tile.indices = {0, 1, 2};
-        tile.triangle_chart = {0};
-        const LayerSteps steps = encode_mesh(tile, 0);
+        tile.triangle_chart = {colour_word({1, 2, 3})};
+        const auto steps = encode_mesh_layer(tile, {});
         for (size_t count = 1; count <= steps.size(); ++count) {
-            const Prefix prefix = prefix_of(steps, count);
-            const auto decoded = decode_mesh(prefix.words, prefix.step_words, 1);
-            ASSERT_TRUE(decoded.ok()) << decoded.error().text();
-            EXPECT_EQ(decoded->vertices[0].position[0], border);
-            EXPECT_EQ(decoded->vertices[2].position[0], border);
+            int on_border = 0;
+            for_each_triangle(decoded(steps, count).content, static_cast<uint32_t>(count),
+                              [&](const PlacedTriangle& triangle) {
+                                  for (const auto& place : triangle.places) on_border += place[0] == border ? 1 : 0;
+                              });
+            EXPECT_EQ(on_border, 2) << count;
         }
     }
 }
 
-TEST(MeshLayer, EqualPositionsInTwoTilesStayEqualInEqualSteps) {
-    const MeshTile low = random_tile(3, 1 << 18);
-    MeshTile high = random_tile(4, 1 << 18);
-    std::copy_n(low.vertices.begin(), 50, high.vertices.begin());
-    for (uint32_t i = 0; i < 50; ++i) high.indices[i] = i;
-    MeshTile first = low;
-    for (uint32_t i = 0; i < 50; ++i) first.indices[i] = i;
-    const LayerSteps a = encode_mesh(first, 0);
-    const LayerSteps b = encode_mesh(high, 0);
-    for (size_t count = 1; count <= 3; ++count) {
-        const Prefix pa = prefix_of(a, count);
-        const Prefix pb = prefix_of(b, count);
-        const auto da = decode_mesh(pa.words, pa.step_words, 13);
-        const auto db = decode_mesh(pb.words, pb.step_words, 13);
-        ASSERT_TRUE(da.ok() && db.ok());
-        for (size_t i = 0; i < 50; ++i) {
-            for (int c = 0; c < 3; ++c) {
-                EXPECT_EQ(da->vertices[da->indices[i]].position[c], db->vertices[db->indices[i]].position[c]);
-            }
-        }
-    }
-}
-
-TEST(MeshLayer, EmptyTileAndSinglePointAreValid) {
-    const LayerSteps empty = encode_mesh({}, 0.5f);
-    ASSERT_EQ(empty.size(), 1u);
-    const Prefix prefix = prefix_of(empty, 1);
-    const auto decoded = decode_mesh(prefix.words, prefix.step_words, 0);
-    ASSERT_TRUE(decoded.ok()) << decoded.error().text();
-    EXPECT_TRUE(decoded->vertices.empty());
-    EXPECT_TRUE(decoded->indices.empty());
-
+TEST(MeshLayer, AnEmptyTileAndASinglePointAreValid) {
+    const MeshLayer empty = layer_of({}, with_error(0.5f));
+    EXPECT_TRUE(empty.content.triangles.empty());
+    EXPECT_TRUE(empty.resident.ranges.empty());
     MeshTile point;
     point.vertices = {vertex_at(-5, 7, 9)};
     point.indices = {0, 0, 0};
     point.triangle_chart = {2};
     point.dressed_begin = 1;
-    const LayerSteps steps = encode_mesh(point, 0);
-    ASSERT_EQ(steps.size(), 1u);
-    const Prefix whole = prefix_of(steps, 1);
-    const auto back = decode_mesh(whole.words, whole.step_words, 3);
-    ASSERT_TRUE(back.ok()) << back.error().text();
-    EXPECT_EQ(compare_corners(point, *back), 0.0);
+    EXPECT_TRUE(seen(to_tile(layer_of(point).content)) == seen(point));
 }
 
-TEST(MeshLayer, SmallTilesLeaveOutStepsThatWouldHoldNothing) {
-    MeshTile tile = one_triangle();
-    for (MeshVertex& vertex : tile.vertices) {
-        for (int32_t& c : vertex.position) c /= 64;  // at most 16 units: 5 bits
+TEST(MeshLayer, SameTileGivesTheSameBytes) {
+    for (const MeshTransport transport : kTransports) {
+        MeshLayerOptions options = travelling_by(transport);
+        options.content.finest_error_metres = 0.01f;
+        const auto a = encode_mesh_layer(random_tile(9, 1 << 20), options);
+        const auto b = encode_mesh_layer(random_tile(9, 1 << 20), options);
+        ASSERT_EQ(a.size(), b.size());
+        for (size_t s = 0; s < a.size(); ++s) EXPECT_EQ(a[s].wire, b[s].wire);
     }
-    const LayerSteps steps = encode_mesh(tile, 0);
-    ASSERT_EQ(steps.size(), 2u);
-    EXPECT_EQ(steps[0].words[MESH_WORD_WIDTHS] >> 24, 3u);
-    EXPECT_EQ(steps[1].words[1], 3u);
 }
 
-TEST(MeshLayer, WeldsEqualCornersAndKeepsTheOrderOfTriangles) {
-    MeshTile tile;
-    for (int t = 0; t < 4; ++t) {
-        for (int c = 0; c < 3; ++c) {
-            tile.indices.push_back(static_cast<uint32_t>(tile.vertices.size()));
-            tile.vertices.push_back(vertex_at(100 * (c == 1), 100 * (c == 2) + 100 * (t == 3), 0));
+TEST(MeshLayer, RefusesChartsThatAreNotThere) {
+    const auto steps = encode_mesh_layer(random_tile(3, 1 << 18), {});
+    EXPECT_TRUE(decode_mesh_layer(wire_of(steps), decoded_bytes_of(steps), 13).ok());
+    const auto fewer = decode_mesh_layer(wire_of(steps), decoded_bytes_of(steps), 12);
+    ASSERT_FALSE(fewer.ok());
+    EXPECT_NE(fewer.error().message.find("chart 12"), std::string::npos) << fewer.error().text();
+    MeshTile coloured = one_triangle();
+    coloured.triangle_chart = {colour_word({10, 20, 30})};
+    const auto no_charts = encode_mesh_layer(coloured, {});
+    EXPECT_TRUE(decode_mesh_layer(wire_of(no_charts), decoded_bytes_of(no_charts), 0).ok());
+}
+
+TEST(MeshLayer, RefusesOtherSizesThanTheDirectorySays) {
+    const auto steps = encode_mesh_layer(random_tile(3, 1 << 18), {});
+    for (size_t s = 0; s < steps.size(); ++s) {
+        auto bytes = decoded_bytes_of(steps);
+        bytes[s] += 4;
+        EXPECT_FALSE(decode_mesh_layer(wire_of(steps), bytes, kAnyMeshChart).ok()) << s;
+    }
+    // A directory that says little is not a licence to make room for much.
+    const std::vector<uint32_t> tiny(steps.size(), 4);
+    EXPECT_FALSE(decode_mesh_layer(wire_of(steps), tiny, kAnyMeshChart).ok());
+}
+
+TEST(MeshLayer, EveryTruncationOfAStepIsRefusedOrSound) {
+    for (const MeshTransport transport : kTransports) {
+        const MeshLayerOptions options = travelling_by(transport);
+        MeshTile tile = random_tile(5, 4000);
+        tile.triangle_chart.resize(20);
+        tile.indices.resize(60);
+        tile.dressed_begin = 10;
+        const auto steps = encode_mesh_layer(tile, options);
+        for (size_t s = 0; s < steps.size(); ++s) {
+            auto wire = wire_of(steps, s + 1);
+            for (size_t size = 0; size < steps[s].wire.size(); ++size) {
+                const std::vector<std::byte> cut(steps[s].wire.begin(),
+                                                 steps[s].wire.begin() + static_cast<ptrdiff_t>(size));
+                wire[s] = cut;
+                const auto layer = decode_mesh_layer(wire, decoded_bytes_of(steps, s + 1), kAnyMeshChart);
+                // Readers take a few missing bytes as zeros (range_coder.h): a checksum is what tells.
+                if (s == 0 && size + bits::RangeDecoder::kPaddingBytes < steps[s].wire.size()) {
+                    EXPECT_FALSE(layer.ok()) << size;
+                }
+            }
         }
-        tile.triangle_chart.push_back(t == 2 ? 1u : 0u);
-    }
-    tile.vertices.push_back(vertex_at(999, 999, 999));  // used by none
-    tile.dressed_begin = 3;
-    const Prefix prefix = prefix_of(encode_mesh(tile, 0), 1);
-    const auto view = MeshLayerView::create(prefix.words, prefix.step_words, 2);
-    ASSERT_TRUE(view.ok()) << view.error().text();
-    // Three of triangles 0 and 1, three more of triangle 2 (another chart), and two new ones of triangle 3 (its first
-    // is the third of 0).
-    EXPECT_EQ(view->vertex_count(), 3u + 3u + 2u);
-    const uint32_t expected[] = {0, 1, 2, 0, 1, 2, 3, 4, 5, 2, 6, 7};
-    for (uint32_t i = 0; i < 12; ++i) EXPECT_EQ(view->index(i), expected[i]) << i;
-    EXPECT_EQ(view->chart_word(2), 1u);
-    EXPECT_EQ(view->dressed_begin(), 3u);
-}
-
-TEST(MeshLayer, WideTextureCoordinatesAreRoundedToTheirSpan) {
-    MeshTile tile = one_triangle();
-    tile.vertices[0].texcoord[0] = std::numeric_limits<int32_t>::min();
-    tile.vertices[1].texcoord[0] = std::numeric_limits<int32_t>::max();
-    tile.vertices[2].texcoord[0] = 12345678;
-    tile.vertices[2].texcoord[1] = 70000;
-    const Prefix prefix = prefix_of(encode_mesh(tile, 0), 1);
-    const auto decoded = decode_mesh(prefix.words, prefix.step_words, 1);
-    ASSERT_TRUE(decoded.ok()) << decoded.error().text();
-    for (size_t i = 0; i < 3; ++i) {
-        EXPECT_NEAR(decoded->vertices[i].texcoord[0], tile.vertices[i].texcoord[0], 65536.0);
-        EXPECT_NEAR(decoded->vertices[i].texcoord[1], tile.vertices[i].texcoord[1], 1.0);
-    }
-}
-
-TEST(MeshLayer, SameTileGivesTheSameWords) {
-    const LayerSteps a = encode_mesh(random_tile(9, 1 << 20), 0.01f);
-    const LayerSteps b = encode_mesh(random_tile(9, 1 << 20), 0.01f);
-    ASSERT_EQ(a.size(), b.size());
-    for (size_t s = 0; s < a.size(); ++s) EXPECT_EQ(a[s].words, b[s].words);
-}
-
-TEST(MeshLayer, GoldenWordsOfOneTriangle) {
-    const LayerSteps steps = encode_mesh(one_triangle(), 0);
-    ASSERT_EQ(steps.size(), 3u);
-    EXPECT_EQ(steps[0].words,
-              (std::vector<uint32_t>{0x314d5343u, 3,           1,           1 - 1, 0,  0,  0,  0x06050002u,
-                                     1,           16,          20,          21,    21, 23, 26, 0,  // header
-                                     0,           0,           0x00000101u, 0,                     // chart
-                                     0x24u,                                                        // indices 0, 1, 2
-                                     0x7f7f7f7fu, 0x00007f7fu,                                     // normals
-                                     0,           0x00008000u, 0x80000000u,  // texture coordinates
-                                     0x00080000u, 0x00000880u}));            // positions >> 6: 0 0 0, 16 0 0, 0 16 8
-    EXPECT_EQ(steps[1].words, (std::vector<uint32_t>{0x3150534du, 0x00000303u, 0x04924924u}));
-    EXPECT_EQ(steps[2].words, (std::vector<uint32_t>{0x3150534du, 0x00000003u, 0x04924924u}));
-    EXPECT_FLOAT_EQ(steps[0].error, std::sqrt(3.0f) * 63 / 1024);
-    EXPECT_FLOAT_EQ(steps[1].error, std::sqrt(3.0f) * 7 / 1024);
-}
-
-TEST(MeshLayer, RefusesEveryTruncationAndWrongStepWords) {
-    const LayerSteps steps = encode_mesh(one_triangle(), 0);
-    const Prefix whole = prefix_of(steps, 3);
-    for (size_t size = 0; size < whole.words.size(); ++size) {
-        const auto cut = exact_copy(std::span(whole.words).first(size));
-        EXPECT_FALSE(MeshLayerView::create(cut, whole.step_words, 1).ok()) << size;
-        // The same words announced as one step: a valid step 0 needs its last position word.
-        const uint32_t one_step[] = {static_cast<uint32_t>(size)};
-        EXPECT_EQ(MeshLayerView::create(cut, one_step, 1).ok(), size >= whole.step_words[0]) << size;
-    }
-    auto longer = whole.words;
-    longer.push_back(0);
-    EXPECT_FALSE(MeshLayerView::create(longer, whole.step_words, 1).ok());
-    const std::vector<std::vector<uint32_t>> wrong = {
-        {}, {28, 3}, {28, 2, 4}, {27, 4, 3}, {28, 3, 3, 0}, {28, 3, 3, 0, 0}, {0xffffffffu, 35}, {34}};
-    for (const auto& step_words : wrong) {
-        const bool one_big_step = step_words == std::vector<uint32_t>{34};
-        EXPECT_EQ(MeshLayerView::create(whole.words, step_words, 1).ok(), one_big_step);
-    }
-    EXPECT_FALSE(MeshLayerView::create(whole.words, whole.step_words, 0).ok()) << "chart 0 of no charts";
-}
-
-TEST(MeshLayer, TrianglesOfOneColourNeedNoChart) {
-    MeshTile tile = one_triangle();
-    tile.triangle_chart = {colour_word({10, 20, 30})};
-    const Prefix layer = prefix_of(encode_mesh(tile, 0), 3);
-    const auto view = MeshLayerView::create(layer.words, layer.step_words, 0);
-    ASSERT_TRUE(view.ok()) << view.error().text();
-    EXPECT_EQ(view->chart_word(0), 0x801e140aU);
-    for (uint32_t bit = 24; bit < 31; ++bit) {
-        tile.triangle_chart = {colour_word({10, 20, 30}) | 1U << bit};
-        const Prefix wrong = prefix_of(encode_mesh(tile, 0), 3);
-        EXPECT_FALSE(MeshLayerView::create(wrong.words, wrong.step_words, UINT32_MAX).ok()) << bit;
-    }
-}
-
-TEST(MeshLayer, NoDamagedWordMakesAnAccessorReadOutside) {
-    for (const MeshTile& tile : {one_triangle(), random_tile(5, 4000)}) {
-        MeshTile small = tile;
-        small.triangle_chart.resize(std::min<size_t>(small.triangle_chart.size(), 12));
-        small.indices.resize(3 * small.triangle_chart.size());
-        small.dressed_begin = 0;
-        const LayerSteps steps = encode_mesh(small, 0);
-        const Prefix whole = prefix_of(steps, steps.size());
-        size_t accepted = 0;
-        size_t refused = 0;
-        for_each_mutation(whole.words, [&](std::span<const uint32_t> words) {
-            const auto decoded = decode_mesh(words, whole.step_words, 13);
-            ++(decoded.ok() ? accepted : refused);
-        });
-        EXPECT_GT(accepted, 0u);
-        EXPECT_GT(refused, 0u);
     }
 }
 

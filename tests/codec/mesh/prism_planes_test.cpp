@@ -16,10 +16,11 @@ struct Steps {
 Steps encode(const std::vector<Prism>& prisms, const std::vector<uint32_t>& dropped) {
     Steps steps;
     bits::RangeEncoder encoder;
-    steps.told = encode_prisms(encoder, prisms, dropped[0]);
+    PrismTree tree;
+    steps.told = encode_prisms(encoder, prisms, dropped[0], &tree);
     steps.bytes.push_back(encoder.finish());
     for (size_t s = 1; s < dropped.size(); ++s) {
-        encode_prism_planes(encoder, steps.told, dropped[s - 1] - dropped[s], dropped[s]);
+        encode_prism_planes(encoder, steps.told, tree.lattices, dropped[s - 1] - dropped[s], dropped[s]);
         steps.bytes.push_back(encoder.finish());
     }
     return steps;

@@ -10,8 +10,10 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <set>
 
+#include "codec/chart_word.h"
 #include "codec/mesh/mesh_layer.h"
 #include "tests/tiles/layers/city_builds.h"
 #include "tiles/layers/inspect_city.h"
@@ -64,13 +66,6 @@ CitySource boxes(const std::vector<std::array<city::Vec3, 2>>& corners) {
         }
         return Done{};
     };
-}
-
-codec::mesh::MeshTile mesh_of(const OpenCity& city, const TileRecord& tile) {
-    const auto [words, step_words] = layer_words(city, tile, Layer::kMesh);
-    auto mesh = codec::mesh::decode_mesh(words, step_words, 1U << 24);
-    EXPECT_TRUE(mesh.ok());
-    return mesh ? std::move(mesh).value() : codec::mesh::MeshTile{};
 }
 
 TEST_F(BuildCity, RefusesACityWithoutObjects) {
@@ -335,6 +330,43 @@ TEST_F(BuildCity, ACityWithoutTheFacadeLayerCarriesNoMaps) {
     EXPECT_EQ(city.manifest.facade_map_count, 0U);
     EXPECT_EQ(city.reader->find(tileset::kFacadeMapsPath).data(), nullptr);
     EXPECT_TRUE(verify_city(path("city.3tz"))->empty());
+}
+
+TEST_F(BuildCity, ACityWithoutPicturesIsGreyAndHasPrisms) {
+    ASSERT_TRUE(build("city.3tz", generated(50), [](BuildOptions& options) {
+                    options.layers = {true, false, false, false};
+                }).ok());
+    const OpenCity city = open_city(path("city.3tz"));
+    uint64_t triangles = 0, in_prisms = 0;
+    for (const auto& [address, record] : city.tiles) {
+        const codec::mesh::MeshContent content = mesh_layer_of(city, record).content;
+        in_prisms += codec::mesh::triangle_count(content) - content.triangles.size();
+        codec::mesh::for_each_triangle(content, [&](const codec::mesh::PlacedTriangle& triangle) {
+            ++triangles;
+            EXPECT_EQ(triangle.chart_word, CHART_WORD_UNTEXTURED);
+        });
+    }
+    EXPECT_GT(triangles, 0U);
+    EXPECT_GT(in_prisms, 0U);
+    EXPECT_TRUE(verify_city(path("city.3tz"))->empty());
+}
+
+TEST_F(BuildCity, TilesHaveAsManyStepsAsPayOrAsManyAsTheyAreTold) {
+    const auto bytes_with = [&](std::optional<uint32_t> steps) {
+        EXPECT_TRUE(build("city.3tz", generated(50), [&](BuildOptions& options) { options.mesh.steps = steps; }).ok());
+        const OpenCity city = open_city(path("city.3tz"));
+        EXPECT_EQ(steps.has_value(), city.manifest.build_options.find("mesh-steps") != std::string::npos);
+        uint64_t bytes = 0;
+        for (const auto& [address, record] : city.tiles) {
+            const auto& mesh = record.steps(Layer::kMesh);
+            if (mesh.empty()) continue;
+            EXPECT_LE(mesh.size(), steps.value_or(kMostChosenSteps));
+            bytes += mesh.front().end + mesh.back().end;
+        }
+        return bytes;
+    };
+    const uint64_t chosen = bytes_with({});
+    for (const uint32_t steps : {1U, 2U, 3U}) EXPECT_LE(chosen, bytes_with(steps)) << steps;
 }
 
 /// Walls with a window each, 3 mm deeper from wall to wall.

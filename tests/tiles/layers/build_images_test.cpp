@@ -54,14 +54,15 @@ TEST_F(BuildImages, WithoutAnAtlasNothingIsSearched) {
 }
 
 TEST_F(BuildImages, WithoutAnAtlasMeshesCarryNothingOfPictures) {
-    const auto mesh_of = [&](const std::string& image) {
+    const auto mesh_bytes_of = [&](const std::string& image) {
         EXPECT_TRUE(build({image}, [](BuildOptions& options) { options.layers = {true, false, false, false}; }).ok());
         const OpenCity city = open_city(path("city.3tz"));
-        return layer_words(city, city.tiles.at({}), tileset::Layer::kMesh).words;
+        const auto bytes = city.reader->find(tileset::layer_path(tileset::Layer::kMesh, {}));
+        return std::vector<std::byte>(bytes.begin(), bytes.end());
     };
-    const auto bare = mesh_of(path("absent.png"));
+    const auto bare = mesh_bytes_of(path("absent.png"));
     EXPECT_FALSE(bare.empty());
-    EXPECT_EQ(mesh_of(soft_image("soft.png")), bare);
+    EXPECT_EQ(mesh_bytes_of(soft_image("soft.png")), bare);
 }
 
 TEST_F(BuildImages, ImagesComeBeforeTiles) {

@@ -196,15 +196,10 @@ TEST_F(BuildPages, EveryPlaceIsOneThatAPackedCoordinateHolds) {
     for (const auto& [address, record] : city.tiles) {
         const LayerWords atlas = layer_words(city, record, Layer::kAtlas);
         if (atlas.words.empty()) continue;
-        const auto pages = codec::atlas::PageLayerView::create(atlas.words, atlas.step_words).value();
-        const LayerWords words = layer_words(city, record, Layer::kMesh);
-        const auto mesh = codec::mesh::MeshLayerView::create(words.words, words.step_words, pages.chart_count());
-        ASSERT_TRUE(mesh.ok()) << mesh.error().text();
-        for (uint32_t corner = 0; corner < 3 * mesh->triangle_count(); ++corner) {
-            if (codec::names_colour(mesh->chart_word(corner / 3))) continue;
-            int32_t texcoord[2];
-            mesh->texcoord(mesh->index(corner), corner / 3, texcoord);
-            for (const int32_t place : texcoord) {
+        const codec::mesh::MeshTile mesh = mesh_of(city, record);
+        for (size_t corner = 0; corner < mesh.indices.size(); ++corner) {
+            if (codec::names_colour(mesh.triangle_chart[corner / 3])) continue;
+            for (const int32_t place : mesh.vertices[mesh.indices[corner]].texcoord) {
                 ASSERT_EQ(place % 128, 0) << "1/512 repeat";
                 ASSERT_GE(place, 0);
                 ASSERT_LT(place, 64 << 16);

@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "codec/mesh/mesh_layer.h"
+#include "codec/mesh/mesh_triangles.h"
 #include "codec/step_wire.h"
 #include "tests/tiles/layers/image_files.h"
 #include "tiles/archive/archive.h"
@@ -134,7 +136,29 @@ inline bool has_children(const OpenCity& city, tileset::TileAddress address) {
     return false;
 }
 
-/// Words of all steps of a tile's layer, and how many each step has; empty: the tile has none.
+/// A tile's mesh layer; without triangles where it has none.
+inline codec::mesh::MeshLayer mesh_layer_of(const OpenCity& city, const tileset::TileRecord& record) {
+    const auto bytes = city.reader->find(tileset::layer_path(tileset::Layer::kMesh, record.address));
+    std::vector<std::span<const std::byte>> wire;
+    std::vector<uint32_t> decoded_bytes;
+    uint64_t begin = 0;
+    for (const tileset::StepRecord& step : record.steps(tileset::Layer::kMesh)) {
+        wire.push_back(bytes.subspan(begin, step.end - begin));
+        decoded_bytes.push_back(step.decoded_bytes);
+        begin = step.end;
+    }
+    if (wire.empty()) return {};
+    auto mesh = codec::mesh::decode_mesh_layer(wire, decoded_bytes, codec::mesh::kAnyMeshChart);
+    EXPECT_TRUE(mesh.ok()) << (mesh ? "" : mesh.error().text());
+    return mesh ? std::move(*mesh) : codec::mesh::MeshLayer{};
+}
+
+/// A tile's triangles.
+inline codec::mesh::MeshTile mesh_of(const OpenCity& city, const tileset::TileRecord& record) {
+    return codec::mesh::to_tile(mesh_layer_of(city, record).content);
+}
+
+/// Words of all steps of a tile's layer that is no mesh, and how many each step has; empty: the tile has none.
 struct LayerWords {
     std::vector<uint32_t> words, step_words;
 };

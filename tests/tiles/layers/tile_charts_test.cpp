@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "codec/chart_word.h"
+
 namespace citystream::tiles::layers {
 namespace {
 
@@ -60,6 +62,21 @@ TEST_F(Charts, APictureOfOneColourIsThatColourWithoutChartAndCoordinates) {
     EXPECT_TRUE(charts.own_charts().empty());
     EXPECT_EQ(use(0).chart, 0x805a5a5aU);
     EXPECT_EQ(use(0).scale, (std::array<double, 2>{0, 0}));
+}
+
+TEST_F(Charts, TheSizeOfAChartIsThatOfItsFinestMip) {
+    show(chequered(20, 200), 4);
+    show({4, 2, std::vector<uint8_t>{0, 0, 0, 9, 9, 9, 0, 0, 0, 9, 9, 9, 5, 5, 5, 0, 0, 0, 0, 0, 0, 200, 200, 200}}, 4);
+    const TileCharts& charts = settle();
+    ASSERT_EQ(charts.own_charts().size(), 2U);
+    for (uint32_t object = 0; object < 2; ++object) {
+        const auto [width, height] = charts.size_of(use(object).chart);
+        EXPECT_EQ(width, charts.own_charts()[use(object).chart].width);
+        EXPECT_EQ(height, charts.own_charts()[use(object).chart].height);
+    }
+    EXPECT_NE(charts.size_of(use(0).chart), charts.size_of(use(1).chart));
+    EXPECT_EQ(charts.size_of(codec::colour_word({1, 2, 3})), (std::array<uint32_t, 2>{1, 1}));
+    EXPECT_EQ(charts.size_of(2), (std::array<uint32_t, 2>{1, 1}));
 }
 
 TEST_F(Charts, APaintOfOneColourNamesIt) {
@@ -131,6 +148,7 @@ TEST_F(ShelvedCharts, WhatTheShelfHasIsNamedAndNotMade) {
     const ChartUse use = charts.use(0, objects_[0].paints[0]);
     EXPECT_EQ(use.chart, shared.chart_in_tile);
     EXPECT_EQ(use.scale, (std::array<double, 2>{1, 1})) << "coordinates of the whole image";
+    EXPECT_EQ(charts.size_of(use.chart), (std::array<uint32_t, 2>{kSide / 2, kSide / 2}));
     ASSERT_EQ(shelf.asked().size(), 1U);
     EXPECT_EQ(shelf.asked()[0].key.kind, ChartKey::Kind::kRepeatedImage);
     EXPECT_EQ(shelf.asked()[0].demand.coarseness, 0) << "texels of 0.18 m are not halved for 0.01 m";

@@ -66,16 +66,6 @@ TEST(TilesetJson, TheChartDictionaryIsThereOnlyWhereChartsAreShared) {
     }
 }
 
-TEST(TilesetJson, OlderVersionsAreRead) {
-    const Manifest manifest = small_city().manifest;
-    for (const char* version : {"2", "3", "4"}) {
-        const auto parsed = parse_tileset_json(bytes_of(
-            replaced(write_tileset_json(manifest), "\"version\": 6,", std::string("\"version\": ") + version + ",")));
-        ASSERT_TRUE(parsed.ok()) << version << ": " << parsed.error().text();
-        EXPECT_EQ(*parsed, manifest) << version;
-    }
-}
-
 TEST(TilesetJson, SaysWhetherThereArePagesOrAlpha) {
     Manifest manifest = small_city().manifest;
     for (const bool there : {false, true}) {
@@ -87,10 +77,6 @@ TEST(TilesetJson, SaysWhetherThereArePagesOrAlpha) {
     const std::string json = write_tileset_json(manifest);
     const std::string property = "\"pagesOrAlpha\": true,";
     EXPECT_FALSE(parse_tileset_json(bytes_of(replaced(json, property, ""))).ok());
-    const auto fifth =
-        parse_tileset_json(bytes_of(replaced(replaced(json, property, ""), "\"version\": 6,", "\"version\": 5,")));
-    ASSERT_TRUE(fifth.ok()) << fifth.error().text();
-    EXPECT_TRUE(fifth->pages_or_alpha) << "what else had version 5";
 }
 
 TEST(TilesetJson, ManifestsComeBackExactly) {
@@ -153,8 +139,8 @@ TEST(TilesetJson, WrongFieldsAreNamed) {
         {"0.125", "2000.0", "extent.min"},
         {"\"epsg\": 25832", "\"epsg\": -1", "epsg"},
         {"CITYSTREAM_layers\": {", "OTHER_layers\": {", "CITYSTREAM_layers"},
-        {"\"version\": 6,", "\"version\": 1,", "CITYSTREAM_layers.version"},
-        {"\"version\": 6,", "\"version\": 7,", "CITYSTREAM_layers.version"},
+        {"\"version\": 7,", "\"version\": 6,", "CITYSTREAM_layers.version"},
+        {"\"version\": 7,", "\"version\": 8,", "CITYSTREAM_layers.version"},
         {"\"indexChecksum\": \"", "\"indexChecksum\": \"x", "indexChecksum"},
         {"tiles/{level}/{x}/{y}.atlas", "../{level}/{x}/{y}.atlas", "atlas.uri"},
         {"\"mapsUri\": \"facades/maps\"", "\"mapsUri\": \"http://a/b\"", "mapsUri"},
