@@ -1,5 +1,5 @@
-// The three vertices of any triangle of local strips (codec/mesh/local_strips_layout.h), read where they lie: twin of local_triangle in
-// codec/mesh/local_strips.h. The words have been checked at arrival.
+// The vertices of any triangle of local strips (codec/mesh/local_strips_layout.h), read where they lie: a group, the triangle's references in it, the vertex
+// of one. Twin of local_triangle in codec/mesh/local_strips.h.
 #ifndef CITYSTREAM_LOCAL_STRIPS_GLSL
 #define CITYSTREAM_LOCAL_STRIPS_GLSL
 
@@ -22,8 +22,8 @@ struct LocalGroup {
     uint new_at, fields_at;  // words
 };
 
-LocalGroup local_group(uvec2 layer, uint at, uint index) {
-    uint triangles = layer_word(layer, at + uint(LOCAL_STRIPS_WORD_TRIANGLES));
+// `triangles`: as the strips' header has them.
+LocalGroup local_group(uvec2 layer, uint at, uint triangles, uint index) {
     uint groups = (triangles + uint(LOCAL_STRIPS_GROUP_TRIANGLES) - 1u) >> LOCAL_STRIPS_GROUP_SHIFT;
     uint blocks = (groups + uint(LOCAL_STRIPS_BLOCK_GROUPS) - 1u) >> LOCAL_STRIPS_BLOCK_SHIFT;
     uint blocks_at = at + uint(LOCAL_STRIPS_HEADER_WORDS);
@@ -79,7 +79,7 @@ uvec3 local_references(LocalGroup group, uint t) {
 
 // Triangle `index` of the local strips that begin at word `at` of a layer.
 uvec3 local_triangle(uvec2 layer, uint at, uint index) {
-    LocalGroup group = local_group(layer, at, index >> LOCAL_STRIPS_GROUP_SHIFT);
+    LocalGroup group = local_group(layer, at, layer_word(layer, at + uint(LOCAL_STRIPS_WORD_TRIANGLES)), index >> LOCAL_STRIPS_GROUP_SHIFT);
     uvec3 references = local_references(group, index & uint(LOCAL_STRIPS_GROUP_TRIANGLES - 1));
     return uvec3(local_vertex(layer, group, references.x), local_vertex(layer, group, references.y), local_vertex(layer, group, references.z));
 }

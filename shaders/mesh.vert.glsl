@@ -15,11 +15,21 @@ layout(location = 2) flat out uvec3 chart_place;  // of the triangle's chart: la
 layout(location = 3) flat out uvec4 chart_words;  // the rest of it
 layout(location = 4) out float tint;              // place in the palette
 
-MeshCorner shown_corner(uvec2 mesh, uint range, uint corner, ivec3 origin) {
-    TileConstants tile = constants.tile;
-    if (kMeshForm == MESH_FORM_ANY || (kMeshForm & 255u) != uint(RESIDENT_KIND_STRIP_CODE)) return mesh_corner(mesh, range, corner, origin, tile.distance_per_unit, tile.least_dropped);
-    uint vertex = WordArray(uvec2(tile.corners[0], tile.corners[1])).word[corner];
-    return mesh_corner_of_vertex(mesh, range, corner, vertex, origin, tile.distance_per_unit, tile.least_dropped);
+// Whether the pipeline draws prisms by vertices that the triangles of walls share.
+bool draws_shared() { return kMeshForm != MESH_FORM_ANY && (kMeshForm & MESH_FORM_SHARED) != 0u; }
+
+MeshCorner shown_corner(uvec2 mesh, MeshDrawConstants draw, uint vertex, ivec3 origin) {
+    MeshView view = MeshView(origin, constants.tile.distance_per_unit, constants.tile.least_dropped);
+    if (draws_shared()) return mesh_prism_corner(mesh, draw, mesh_prism_of_shared(draw, vertex), view);
+    if (kMeshForm == MESH_FORM_ANY || mesh_kind(draw) != uint(RESIDENT_KIND_STRIP_CODE)) return mesh_corner(mesh, draw, vertex, view);
+    return mesh_surface_corner(mesh, draw, vertex, WordArray(layer_reference(draw.corners)).word[vertex], view);
+}
+
+// Corner of the range.
+uint corner_of_vertex(MeshDrawConstants draw, uint vertex) {
+    if (!draws_shared()) return vertex;
+    MeshPrismCorner corner = mesh_prism_of_shared(draw, vertex);
+    return 3u * (corner.prism * draw.triangles + corner.triangle) + corner.k;
 }
 
 void show_chart(AtlasChart chart) {
@@ -39,10 +49,10 @@ void show_colour(uint colour) {
 
 void main() {
     uvec2 mesh = layer_reference(constants.tile.mesh);
-    uint range = uint(gl_InstanceIndex);
-    uint corner = uint(gl_VertexIndex);
+    MeshDrawConstants draw = MeshDrawRecord(layer_reference(constants.tile.mesh_draw)).draw;
+    uint vertex = uint(gl_VertexIndex);
     ivec3 origin = tile_origin();
-    MeshCorner shown = shown_corner(mesh, range, corner, origin);
+    MeshCorner shown = shown_corner(mesh, draw, vertex, origin);
     vec3 metres = camera_relative_metres(origin + shown.position);
     gl_Position = project(metres);
     tint = kFacadeTint > 0.0 ? tint_place(metres) : 0.0;
@@ -54,14 +64,14 @@ void main() {
     if (mesh_form_is_flat()) {
         show_colour(layer_word(mesh, shown.chart_entry + RESIDENT_CHART_WORD) & CHART_WORD_COLOUR_MASK);
     } else if (kPages) {
-        PageCorner paged = page_corner(mesh, range, corner, shown);
+        PageCorner paged = page_corner(mesh, draw, corner_of_vertex(draw, vertex), shown);
         texcoord = paged.place;
         chart_place = paged.surface.place;
         chart_words = paged.surface.frame;
     } else {
         AtlasChart chart = tile_chart(layer_word(mesh, shown.chart_entry + RESIDENT_CHART_WORD));
         bvec2 repeats = bvec2((chart.flags & ATLAS_CHART_REPEAT_U) != 0u, (chart.flags & ATLAS_CHART_REPEAT_V) != 0u);
-        texcoord = mesh_place(mesh, shown.chart_entry, shown.texcoord, repeats);
+        texcoord = mesh_place(mesh, draw, shown, repeats);
         show_chart(chart);
     }
 }

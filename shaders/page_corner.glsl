@@ -11,28 +11,28 @@ struct PageCorner {
     vec2 place;  // repeats
 };
 
-PageCorner corner_by_table(Pages pages, uvec2 mesh, MeshCorner shown) {
+PageCorner corner_by_table(Pages pages, uvec2 mesh, MeshDrawConstants draw, MeshCorner shown) {
     uint chart_word = layer_word(mesh, shown.chart_entry + RESIDENT_CHART_WORD);
     if ((chart_word & CHART_WORD_COLOUR) != 0u) return PageCorner(surface_of_word(pages, chart_word), vec2(0.0));
     PagedChart chart = paged_chart(pages, chart_word);
     bvec2 repeats = bvec2((chart.flags & PAGES_CHART_REPEAT_U) != 0u, (chart.flags & PAGES_CHART_REPEAT_V) != 0u);
-    return PageCorner(surface_of(pages, chart), mesh_place(mesh, shown.chart_entry, shown.texcoord, repeats));
+    return PageCorner(surface_of(pages, chart), mesh_place(mesh, draw, shown, repeats));
 }
 
-PageCorner corner_by_uniform(Pages pages, uvec2 mesh, MeshCorner shown) {
+PageCorner corner_by_uniform(Pages pages, uvec2 mesh, MeshDrawConstants draw, MeshCorner shown) {
     uvec2 words = uvec2(constants.tile.shared_charts[0], constants.tile.shared_charts[1]);
     uint flags = words.y & WRAP_PLACE_MASK;
     PagedChart chart = PagedChart(flags | (words.x & WRAP_PLACE_MASK) << 16, words.x, words.y);
     bvec2 repeats = bvec2((flags & PAGES_CHART_REPEAT_U) != 0u, (flags & PAGES_CHART_REPEAT_V) != 0u);
-    return PageCorner(surface_of(pages, chart), mesh_place(mesh, shown.chart_entry, shown.texcoord, repeats));
+    return PageCorner(surface_of(pages, chart), mesh_place(mesh, draw, shown, repeats));
 }
 
 // `corner`: of all ranges.
-PageCorner corner_by_attribute(Pages pages, uvec2 mesh, uint corner, MeshCorner shown) {
+PageCorner corner_by_attribute(Pages pages, uvec2 mesh, MeshDrawConstants draw, uint corner, MeshCorner shown) {
     vec4 frame = uintBitsToFloat(layer_words4(layer_reference(constants.tile.shared_charts), corner));
     if (frame.z == 0.0) return PageCorner(flat_surface(uint(frame.x)), vec2(0.0));
     uint page = uint(frame.x) / uint(COORDINATE_PAGE_STEP);
-    vec2 place = mesh_place(mesh, shown.chart_entry, shown.texcoord, greaterThan(frame.zw, vec2(0.0)));
+    vec2 place = mesh_place(mesh, draw, shown, greaterThan(frame.zw, vec2(0.0)));
     frame.x -= float(page * uint(COORDINATE_PAGE_STEP));
     return PageCorner(page_surface(pages, page, frame), place);
 }
@@ -47,12 +47,12 @@ PageCorner corner_by_packed(Pages pages, uint corner) {
 }
 
 // Precondition: has_atlas(), and it is in pages.
-PageCorner page_corner(uvec2 mesh, uint range, uint corner, MeshCorner shown) {
+PageCorner page_corner(uvec2 mesh, MeshDrawConstants draw, uint corner, MeshCorner shown) {
     Pages pages = pages_of(layer_reference(constants.tile.atlas));
-    if (kTransport == CHART_TRANSPORT_TABLE) return corner_by_table(pages, mesh, shown);
-    if (kTransport == CHART_TRANSPORT_UNIFORM) return corner_by_uniform(pages, mesh, shown);
-    uint of_all = 3u * mesh_range_word(mesh, mesh_range(mesh, range), uint(RESIDENT_RANGE_FIRST_TRIANGLE)) + corner;
-    if (kTransport == CHART_TRANSPORT_ATTRIBUTE) return corner_by_attribute(pages, mesh, of_all, shown);
+    if (kTransport == CHART_TRANSPORT_TABLE) return corner_by_table(pages, mesh, draw, shown);
+    if (kTransport == CHART_TRANSPORT_UNIFORM) return corner_by_uniform(pages, mesh, draw, shown);
+    uint of_all = 3u * draw.first_triangle + corner;
+    if (kTransport == CHART_TRANSPORT_ATTRIBUTE) return corner_by_attribute(pages, mesh, draw, of_all, shown);
     return corner_by_packed(pages, of_all);
 }
 

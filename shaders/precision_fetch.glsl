@@ -120,7 +120,9 @@ uint precision_dropped(ivec3 from_camera, uvec3 words, uint common_dropped, uint
     ivec3 gaps = ivec3(low.x > 0 ? low.x - 1 : max(-high.x, 0), low.y > 0 ? low.y - 1 : max(-high.y, 0), low.z > 0 ? low.z - 1 : max(-high.z, 0));
     uint distance = precision_distance(uvec3(gaps));
     if (distance < distance_per_unit) return 0u;
-    return min(common_dropped, uint(findMSB(distance / distance_per_unit)));
+    // The highest bit of distance / distance_per_unit.
+    uint bits = uint(findMSB(distance) - findMSB(distance_per_unit));
+    return min(common_dropped, distance_per_unit << bits > distance ? bits - 1u : bits);
 }
 
 uint precision_reading_offset(uint reading, uint dropped) {

@@ -12,13 +12,14 @@ void main() {
     if (corner >= constants.count) return;
     uvec2 mesh = layer_reference(constants.layer);
     WordArray view = twin_input();
-    ivec3 from_camera = ivec3(view.word[0], view.word[1], view.word[2]);
+    MeshDrawConstants draw = MeshDrawRecord(layer_reference(constants.draw)).draw;
+    MeshView from = MeshView(ivec3(view.word[0], view.word[1], view.word[2]), view.word[3], view.word[4]);
     MeshCorner shown;
-    if (constants.second == 1u)
-        shown = mesh_corner_of_vertex(mesh, constants.first, corner, view.word[TWIN_CORNER_INPUT_WORDS + corner], from_camera, view.word[3], view.word[4]);
+    if (mesh_kind(draw) == uint(RESIDENT_KIND_STRIP_CODE))
+        shown = mesh_surface_corner(mesh, draw, corner, WordArray(layer_reference(draw.corners)).word[corner], from);
     else
-        shown = mesh_corner(mesh, constants.first, corner, from_camera, view.word[3], view.word[4]);
-    ivec2 texcoord = mesh_texcoord(mesh, shown.chart_entry, shown.texcoord);
+        shown = mesh_corner(mesh, draw, corner, from);
+    ivec2 texcoord = mesh_texcoord(mesh, draw, shown);
     uint words[TWIN_CORNER_WORDS] =
         uint[](uint(shown.position.x), uint(shown.position.y), uint(shown.position.z), uint(shown.normal.x), uint(shown.normal.y),
                uint(shown.normal.z), shown.chart_entry, shown.texcoord, uint(texcoord.x), uint(texcoord.y));

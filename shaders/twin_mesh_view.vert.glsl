@@ -15,8 +15,9 @@ vec3 vec3_of(float v[3]) { return vec3(v[0], v[1], v[2]); }
 
 void main() {
     ivec3 tile = ivec3(constants.from_camera[0], constants.from_camera[1], constants.from_camera[2]);
+    MeshView view = MeshView(tile, constants.distance_per_unit, constants.least_dropped);
     MeshCorner corner =
-        mesh_corner(layer_reference(constants.mesh), constants.range, uint(gl_VertexIndex), tile, constants.distance_per_unit, constants.least_dropped);
+        mesh_corner(layer_reference(constants.mesh), MeshDrawRecord(layer_reference(constants.draw)).draw, uint(gl_VertexIndex), view);
     vec3 from_camera = vec3(tile + corner.position) * (1.0 / 1024.0) - vec3_of(constants.frame.camera_fraction);
     gl_Position = vec4(dot(vec3_of(constants.frame.clip_x), from_camera), dot(vec3_of(constants.frame.clip_y), from_camera),
                        constants.frame.near_plane, dot(vec3_of(constants.frame.clip_w), from_camera));

@@ -29,8 +29,8 @@ using uint = uint32_t;
 /* (float): how much walls are tinted, 0..1, and how fast tints change (shaders/facade_tint.glsl). */
 #define FACADE_TINT_CONSTANT 4
 #define TINTS_PER_METRE_CONSTANT 5
-/* (uint): RESIDENT_KIND_* | RESIDENT_FLAG_* << 8 of the ranges that are drawn (codec/mesh/mesh_resident_layout.h), or
-   any; strip code is drawn by pipelines that say so. */
+/* (uint): MeshDrawConstants::form of the ranges that are drawn, or any; strip code is drawn by pipelines that say so.
+ */
 #define MESH_FORM_CONSTANT 6
 #define MESH_FORM_ANY 0xffffffffu
 
@@ -62,7 +62,7 @@ struct TileConstants {
        of the draw (_UNIFORM): its packed coordinates, in their places' bits its page and flags; of a flat chart its
        colour and its flags. */
     uint shared_charts[2];
-    uint corners[2]; /* of a range of strip code: address of its decoded corners, a vertex number each */
+    uint mesh_draw[2]; /* of the range that is drawn: address of its MeshDrawConstants (mesh_draw_layout.h) */
 };
 
 /* Of a chart of the tile that lies in the city's dictionary. */

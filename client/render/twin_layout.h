@@ -12,9 +12,8 @@ namespace citystream::client {
 #define TWIN_GROUP 64
 #define TWIN_CORNER_WORDS \
     10 /* a corner of a resident mesh: position xyz, normal xyz, chart entry, texture word, texture coordinate uv */
-#define TWIN_CORNER_INPUT_WORDS                                                                                        \
-    5 /* from the camera's cell to the tile's corner xyz, distance a unit, least dropped bits; then the vertex of each \
-         corner where a strip code has it */
+#define TWIN_CORNER_INPUT_WORDS \
+    5 /* from the camera's cell to the tile's corner xyz, distance a unit, least dropped bits */
 #define TWIN_PRECISION_WORDS 8 /* a vertex: its words xyz, bit level, shown position xyz, unused */
 #define TWIN_PRECISION_INPUT_WORDS                                                                               \
     9 /* origin of the grid xyz, the same from the camera's cell, common dropped bits, distance a unit, reading; \
@@ -34,10 +33,10 @@ struct TwinConstants {
     uint input_words[2];
     uint output_words[2];
     uint count;  /* corners, texels, places or rays */
-    uint first;  /* resident mesh: range; atlas: chart; precision: components; normals: bits a
-                    parameter */
-    uint second; /* atlas: mip; resident mesh: 1 where the input has vertices */
+    uint first;  /* atlas: chart; precision: components; normals: bits a parameter */
+    uint second; /* atlas: mip */
     uint reserved;
+    uint draw[2]; /* resident mesh: address of the range's MeshDrawConstants */
 };
 
 /* Of twin_precision_view, which draws a precision buffer with Blinn-Phong shading: pictures to compare levels by. */
@@ -59,11 +58,11 @@ struct TwinMeshViewConstants {
     int from_camera[3]; /* grid units from the camera's grid cell to the tile's corner */
     uint distance_per_unit;
     uint least_dropped;
-    uint range;
+    uint draw[2]; /* address of the range's MeshDrawConstants */
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(TwinConstants) == 40 && sizeof(TwinViewConstants) == 100 && sizeof(TwinMeshViewConstants) == 88);
+static_assert(sizeof(TwinConstants) == 48 && sizeof(TwinViewConstants) == 100 && sizeof(TwinMeshViewConstants) == 92);
 }  // namespace citystream::client
 #endif
 

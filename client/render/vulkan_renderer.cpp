@@ -11,12 +11,15 @@
 #include "client/render/coordinate_layers.h"
 #include "client/render/device_choice.h"
 #include "client/render/draw_layout.h"
+#include "client/render/draw_records.h"
 #include "client/render/facade_map_facts.h"
 #include "client/render/facade_renderer_layout.h"
 #include "client/render/frame_constants.h"
 #include "client/render/layer_refiner.h"
 #include "client/render/lighting_layout.h"
+#include "client/render/mesh_draws.h"
 #include "client/render/pipelines.h"
+#include "client/render/prism_indices.h"
 #include "client/render/slot_pool.h"
 #include "client/render/strip_ranges.h"
 #include "shaders/box_filter.comp.h"
@@ -69,6 +72,8 @@ std::vector<size_t> front_to_back(const Camera& camera, std::span<const TileDraw
 // a tile, 384 and 4,096 more.
 constexpr uint32_t kSoftwarePiece = 1536;
 static_assert(kSoftwarePiece % 3 == 0);
+/// Indices of a draw of prisms.
+constexpr uint32_t kPrismPiece = 12288;
 
 bool has_facades(const TileDraw& tile) {
     return tile.facade != kNoLayer && !tile.map_of_placement.empty();
@@ -97,6 +102,7 @@ class Renderer final : public VulkanRenderer {
     void destroy(LayerId layer) override {
         refiner_->forget(layer);
         strips_->forget(layer);
+        mesh_draws_.forget(layer);
         coordinates_.forget(layer, pool_);
         destroy_layer(pool_, layer);
     }
@@ -118,10 +124,11 @@ class Renderer final : public VulkanRenderer {
         const std::vector<ChartRun>* runs;  ///< one draw each; null: one for all triangles
         size_t first_strip = 0;             ///< of strips_: its first range of strip code
 
-        /// Of one of its ranges.
-        PassVariant mesh_of(const codec::mesh::MeshRange& range) const {
+        /// Of one of its ranges. Runs begin at any triangle: their prisms share no vertices.
+        PassVariant mesh_of(const MeshDrawConstants& range) const {
             PassVariant variant = mesh;
-            variant.mesh_form = range.kind | (range.flags & ~RESIDENT_FLAG_DRESSED) << 8;
+            variant.mesh_form = range.form & ~(RESIDENT_FLAG_DRESSED << 8);
+            if ((range.form & 255) == RESIDENT_KIND_PRISMS && runs == nullptr) variant.mesh_form |= MESH_FORM_SHARED;
             return variant;
         }
         PassVariant facade() const { return {mesh.reading, mesh.form, {}, false, mesh.tint}; }
@@ -148,7 +155,7 @@ class Renderer final : public VulkanRenderer {
     void record_tile(VkCommandBuffer commands, const DrawnTile& drawn, uint32_t round, VkPipeline& bound);
     const ChartRun* record_runs(VkCommandBuffer commands, const Pass& pass, uint32_t range, const ChartRun* run,
                                 const ChartRun* end);
-    void record_triangles(VkCommandBuffer commands, uint32_t range, uint32_t first, uint32_t count);
+    void record_triangles(VkCommandBuffer commands, uint32_t first, uint32_t count);
     void record_occluders(VkCommandBuffer commands);
     void record_facades(VkCommandBuffer commands);
     void record_resolve(VkCommandBuffer commands);
@@ -166,6 +173,9 @@ class Renderer final : public VulkanRenderer {
     SlotPool pool_;
     std::optional<LayerRefiner> refiner_;
     std::optional<StripRanges> strips_;
+    MeshDraws mesh_draws_;
+    std::optional<PrismIndices> prism_indices_;
+    std::optional<DrawRecords> draw_records_;
     FrameTarget target_;
     Pass resolve_, filter_;
     Passes mesh_, occluder_;
@@ -187,6 +197,8 @@ Renderer::~Renderer() {
         vkDeviceWaitIdle(device_.handle);
         refiner_.reset();
         strips_.reset();
+        prism_indices_.reset();
+        draw_records_.reset();
         destroy_slot_pool(pool_);
         destroy_frame_target(device_, target_);
         const auto destroy = [&](Pass& pass) { destroy_pass(device_, pass); };
@@ -223,6 +235,8 @@ Status Renderer::start() {
     pool_ = create_slot_pool(device_, options_.gpu_budget_bytes);
     refiner_.emplace(device_, pool_);
     strips_.emplace(device_, options_.index_arena_bytes);
+    prism_indices_.emplace(device_);
+    draw_records_.emplace(device_);
     coordinates_ = CoordinateLayers(options_.chart_transport);
     target_ = create_frame_target(device_, options_.width, options_.height, options_.supersample);
     if (options_.supersample > 1) filter_ = create_compute_pass(device_, k_box_filter_comp, sizeof(FilterConstants));
@@ -230,13 +244,14 @@ Status Renderer::start() {
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
     queries.queryCount = kTimestampCount;
     vk_check(vkCreateQueryPool(device_.handle, &queries, nullptr, &timestamps_), "vkCreateQueryPool");
-    ensure_mesh_pass({LayerReading::kDirect, {}, {}, false, {}, RESIDENT_KIND_PRISMS});
+    ensure_mesh_pass(
+        {LayerReading::kDirect, {}, {}, false, {}, RESIDENT_KIND_PRISMS | MESH_FORM_NARROW | MESH_FORM_SHARED});
     return Done{};
 }
 
 uint64_t Renderer::frame_buffer_bytes() const {
-    return memory_bytes(target_) + tables_.bytes + facade_indices_.bytes + keys_.bytes + refiner_->buffer_bytes() +
-           strips_->bytes_allocated();
+    return memory_bytes(target_) + tables_.bytes + draw_records_->bytes() + facade_indices_.bytes + keys_.bytes +
+           refiner_->buffer_bytes() + strips_->bytes_allocated() + prism_indices_->bytes();
 }
 
 Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
@@ -250,6 +265,9 @@ Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
             map_facts_[layer] = facade_map_facts(words);
             strips_->learn(layer, words);
         }
+        if (is_begin && status.ok()) mesh_draws_.learn(layer, words);
+        if (mesh_draws_.is_partial(layer))
+            mesh_draws_.learn(layer, read_words(pool_, layer, pool_.layers[layer].words));
         return status;
     } catch (const VulkanError& error) {
         return Error{error.what()};
@@ -262,6 +280,7 @@ Result<uint64_t> Renderer::refine(LayerId layer, uint64_t begin, std::span<const
         if (!refinement) return refinement.error();
         make_room(refinement->slots());
         if (const Status status = refiner_->add(*refinement, planes); !status) return status.error();
+        mesh_draws_.set_level(layer, to_level);
         return 4 * refinement->words;
     } catch (const VulkanError& error) {
         return Error{error.what()};
@@ -327,7 +346,8 @@ bool Renderer::ensure_facade_passes(const DrawnTile& drawn) {
 bool Renderer::ensure_passes() {
     bool made = false;
     for (const DrawnTile& drawn : drawn_) {
-        for (const auto& range : drawn.tile->mesh_ranges) made |= ensure_mesh_pass(drawn.mesh_of(range));
+        for (uint32_t range = 0; range < drawn.tile->mesh_ranges.size(); ++range)
+            made |= ensure_mesh_pass(drawn.mesh_of(mesh_draws_.of(drawn.tile->mesh, range)));
         if (drawn.casters != 0) made |= ensure_facade_passes(drawn);
     }
     return made;
@@ -351,7 +371,12 @@ void Renderer::warm_up(const Pass& pass, uint32_t vertices) {
     TileConstants tile{};
     for (uint32_t* reference : {tile.mesh, tile.atlas, tile.facade, tile.shared_charts})
         split(tables_.address | LAYER_REF_DIRECT, reference);
-    split(tables_.address, tile.corners);
+    // No corner is beyond the zeros.
+    constexpr uint64_t kDraw = kZeroWords / 4 * 3 * 4;
+    MeshDrawConstants draw{};
+    split(tables_.address, draw.corners);
+    std::memcpy(static_cast<std::byte*>(tables_.mapped) + kDraw, &draw, sizeof draw);
+    split(tables_.address + kDraw, tile.mesh_draw);
     // One placement, of which the tile has no map.
     constexpr uint64_t kTable = kZeroWords / 2 * 4;
     FacadeTableHead head{};
@@ -439,11 +464,10 @@ void Renderer::mark(VkCommandBuffer commands, Timestamp stamp) const {
     vkCmdWriteTimestamp(commands, stage, timestamps_, stamp);
 }
 
-// Shaders take the range from the instance.
-void Renderer::record_triangles(VkCommandBuffer commands, uint32_t range, uint32_t first, uint32_t count) {
+void Renderer::record_triangles(VkCommandBuffer commands, uint32_t first, uint32_t count) {
     const uint32_t piece = device_.is_cpu ? kSoftwarePiece : 3 * count;
     for (uint32_t begin = 0; begin < 3 * count; begin += piece) {
-        vkCmdDraw(commands, std::min(piece, 3 * count - begin), 1, 3 * first + begin, range);
+        vkCmdDraw(commands, std::min(piece, 3 * count - begin), 1, 3 * first + begin, 0);
         ++counts_.mesh_draws;
     }
 }
@@ -454,7 +478,7 @@ const ChartRun* Renderer::record_runs(VkCommandBuffer commands, const Pass& pass
     constexpr uint32_t kChart = offsetof(DrawConstants, tile) + offsetof(TileConstants, shared_charts);
     for (; run != end && run->range == range; ++run) {
         vkCmdPushConstants(commands, pass.layout, kDrawStages, kChart, sizeof run->words, run->words.data());
-        record_triangles(commands, range, run->first, run->triangles);
+        record_triangles(commands, run->first, run->triangles);
     }
     return run;
 }
@@ -473,13 +497,17 @@ void Renderer::record_tile(VkCommandBuffer commands, const DrawnTile& drawn, uin
         const StripPlace place = is_strips ? strips_->place(strip++) : StripPlace();
         if (place.round != round) continue;
         while (run != runs_end && run->range < range) ++run;
-        const Pass& pass = mesh_.at(drawn.mesh_of(ranges[range]));
-        split(place.corners, constants.corners);
+        const MeshDrawConstants draw = mesh_draws_.of(drawn.tile->mesh, range);
+        const Pass& pass = mesh_.at(drawn.mesh_of(draw));
+        split(draw_records_->add(draw, place.corners), constants.mesh_draw);
         bind_for(commands, pass, constants, bound);
         if (drawn.runs != nullptr) {
             run = record_runs(commands, pass, range, run, runs_end);
+        } else if ((draw.form & 255) == RESIDENT_KIND_PRISMS) {
+            counts_.mesh_draws += prism_indices_->record(commands, draw, ranges[range].triangles,
+                                                         device_.is_cpu ? kSoftwarePiece : kPrismPiece);
         } else {
-            record_triangles(commands, range, 0, ranges[range].triangles);
+            record_triangles(commands, 0, ranges[range].triangles);
         }
     }
 }
@@ -556,6 +584,9 @@ void Renderer::record_frame(VkCommandBuffer commands) {
     const bool facades = std::any_of(drawn_.begin(), drawn_.end(), [](const DrawnTile& d) { return d.casters != 0; });
     if (device_.timestamp_nanoseconds != 0) vkCmdResetQueryPool(commands, timestamps_, 0, kTimestampCount);
     mark(commands, kBegin);
+    uint64_t ranges = 0;
+    for (const DrawnTile& drawn : drawn_) ranges += drawn.tile->mesh_ranges.size();
+    draw_records_->begin_frame(ranges);
     refiner_->record(commands);
     begin_target(commands, target_);
     for (uint32_t round = 0; round < strips_->round_count(); ++round) {

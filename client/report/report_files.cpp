@@ -18,7 +18,8 @@ namespace {
 
 /// What a setting amounts to, for tables and plots.
 struct SettingSummary {
-    double gpu_ms, facade_ms, psnr_db, least_psnr_db, ssim, flip, achieved_error_pixels;
+    double gpu_ms, facade_ms, psnr_db, least_psnr_db, ssim, flip, achieved_error_pixels, position_error_pixels,
+        position_bits;
 };
 
 // Equal pictures have no finite PSNR; 99 dB stands for them where a number is needed.
@@ -33,10 +34,12 @@ SettingSummary summarise(const SettingResult& setting) {
     out.psnr_db = median_of(setting.frames, [](const FrameRow& row) { return finite_psnr(row.difference.psnr_db); });
     out.ssim = median_of(setting.frames, [](const FrameRow& row) { return row.difference.ssim; });
     out.flip = median_of(setting.frames, [](const FrameRow& row) { return row.difference.flip; });
+    out.position_bits = median_of(setting.frames, [](const FrameRow& row) { return row.position_bits; });
     out.least_psnr_db = 99;
     for (const FrameRow& row : setting.frames) {
         out.least_psnr_db = std::min(out.least_psnr_db, finite_psnr(row.difference.psnr_db));
         out.achieved_error_pixels = std::max(out.achieved_error_pixels, row.achieved_error_pixels);
+        out.position_error_pixels = std::max(out.position_error_pixels, row.position_error_pixels);
     }
     return out;
 }
@@ -81,6 +84,9 @@ double megabytes(const SettingResult& setting, const SettingSummary&) {
 double picture_megabytes(const SettingResult& setting, const SettingSummary&) {
     return static_cast<double>(setting.total_atlas_bytes) / 1e6;
 }
+double mesh_megabytes(const SettingResult& setting, const SettingSummary&) {
+    return static_cast<double>(setting.total_mesh_bytes) / 1e6;
+}
 double frame_time(const SettingResult&, const SettingSummary& summary) {
     return summary.gpu_ms;
 }
@@ -99,6 +105,9 @@ std::map<std::string, std::string> plots_of(const SweepResult& result) {
         {"error-bytes.svg",
          plot_of(result, {"Error against bytes", "wire bytes of the whole path, MB", "median FLIP", true}, megabytes,
                  flip_error)},
+        {"error-mesh-bytes.svg",
+         plot_of(result, {"Error against bytes of meshes", "wire bytes of mesh layers, MB", "median FLIP", true},
+                 mesh_megabytes, flip_error)},
         {"error-picture-bytes.svg", plot_of(result,
                                             {"Error against bytes of pictures",
                                              "wire bytes of atlases and shared charts, MB", "median FLIP", true},
@@ -123,21 +132,23 @@ Status write_text(const std::filesystem::path& file, const std::string& text) {
 std::string summary_table(const SweepResult& result) {
     std::string out =
         "<table><tr><th>knob</th><th>setting</th><th>wire MB</th><th>of it facade maps, kB</th><th>pictures, "
-        "kB</th><th>GPU MiB, most</th>"
+        "kB</th><th>meshes, kB</th><th>GPU MiB, most</th>"
         "<th>frame ms, median</th><th>of it relief</th><th>PSNR dB, median</th><th>PSNR dB, least</th><th>SSIM</th>"
-        "<th>FLIP</th><th>stated error px, most</th></tr>\n";
+        "<th>FLIP</th><th>stated error px, most</th><th>of it positions</th><th>bits a coordinate</th></tr>\n";
     for (const SettingResult& setting : result.settings) {
         const SettingSummary s = summarise(setting);
         out += fmt::format(
-            "<tr><td>{}</td><td>{}</td><td>{:.3f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.2f}</td><td>{:.2f}</"
+            "<tr><td>{}</td><td>{}</td><td>{:.3f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td><td>{:.2f}</"
+            "td><td>{:.2f}</"
             "td><td>{:.2f}</td>"
-            "<td>{:.2f}</td><td>{:.2f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.3f}</td></tr>\n",
+            "<td>{:.2f}</td><td>{:.2f}</td><td>{:.4f}</td><td>{:.4f}</td><td>{:.3f}</td><td>{:.4f}</td><td>{:.1f}</td>"
+            "</tr>\n",
             setting.setting.knob, escape_html(setting.setting.label()),
             static_cast<double>(setting.total_wire_bytes) / 1e6,
             static_cast<double>(setting.total_dictionary_bytes) / 1e3,
-            static_cast<double>(setting.total_atlas_bytes) / 1e3,
+            static_cast<double>(setting.total_atlas_bytes) / 1e3, static_cast<double>(setting.total_mesh_bytes) / 1e3,
             static_cast<double>(setting.largest_gpu_bytes) / (1 << 20), s.gpu_ms, s.facade_ms, s.psnr_db,
-            s.least_psnr_db, s.ssim, s.flip, s.achieved_error_pixels);
+            s.least_psnr_db, s.ssim, s.flip, s.achieved_error_pixels, s.position_error_pixels, s.position_bits);
     }
     return out + "</table>\n";
 }
@@ -178,17 +189,19 @@ std::string picture_rows(const SweepResult& result) {
 
 std::string frames_csv(const SweepResult& result) {
     std::string out =
-        "knob,value,frame,t,gpu_ms,facade_ms,select_ms,decode_ms,wire_bytes,dictionary_bytes,atlas_bytes,gpu_bytes,"
-        "tiles,"
-        "relief_tiles,tolerance_used,achieved_error_pixels,psnr_db,ssim,flip\n";
+        "knob,value,frame,t,gpu_ms,facade_ms,select_ms,decode_ms,wire_bytes,dictionary_bytes,atlas_bytes,mesh_bytes,"
+        "gpu_bytes,tiles,relief_tiles,tolerance_used,achieved_error_pixels,position_error_pixels,position_bits,psnr_db,"
+        "ssim,flip\n";
     for (const SettingResult& setting : result.settings)
         for (const FrameRow& row : setting.frames)
             out += fmt::format(
-                "{},{},{},{:g},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{:.4f},{:.4f},{:.3f},{:.5f},{:.5f}\n",
+                "{},{},{},{:g},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.2f},{:.3f},"
+                "{:.5f},{:.5f}\n",
                 setting.setting.knob, setting.setting.value_text(), row.frame, row.t, row.gpu_ms, row.facade_ms,
-                row.select_ms, row.decode_ms, row.wire_bytes, row.dictionary_bytes, row.atlas_bytes, row.gpu_bytes,
-                row.tiles, row.relief_tiles, row.tolerance_used, row.achieved_error_pixels,
-                finite_psnr(row.difference.psnr_db), row.difference.ssim, row.difference.flip);
+                row.select_ms, row.decode_ms, row.wire_bytes, row.dictionary_bytes, row.atlas_bytes, row.mesh_bytes,
+                row.gpu_bytes, row.tiles, row.relief_tiles, row.tolerance_used, row.achieved_error_pixels,
+                row.position_error_pixels, row.position_bits, finite_psnr(row.difference.psnr_db), row.difference.ssim,
+                row.difference.flip);
     return out;
 }
 
@@ -209,6 +222,7 @@ std::string report_json(const SweepOptions& options, const SweepResult& result) 
                                       {"wire_bytes", setting.total_wire_bytes},
                                       {"dictionary_bytes", setting.total_dictionary_bytes},
                                       {"atlas_bytes", setting.total_atlas_bytes},
+                                      {"mesh_bytes", setting.total_mesh_bytes},
                                       {"gpu_bytes_most", setting.largest_gpu_bytes},
                                       {"gpu_ms_median", s.gpu_ms},
                                       {"facade_ms_median", s.facade_ms},
@@ -217,6 +231,8 @@ std::string report_json(const SweepOptions& options, const SweepResult& result) 
                                       {"ssim_median", s.ssim},
                                       {"flip_median", s.flip},
                                       {"achieved_error_pixels_most", s.achieved_error_pixels},
+                                      {"position_error_pixels_most", s.position_error_pixels},
+                                      {"position_bits_median", s.position_bits},
                                       {"warnings", setting.warnings}};
         if (setting.setting.is_named()) one["value"] = setting.setting.name;
         if (!setting.setting.place.empty()) one["build_options"] = setting.build_options;

@@ -12,8 +12,9 @@
 namespace citystream::client {
 namespace {
 
-constexpr double kWidth = 640, kHeight = 400, kLeft = 70, kRight = 20, kTop = 52, kBottom = 55;
-constexpr std::array<const char*, 6> kColours = {"#1f6fb4", "#c8443c", "#2e8b57", "#8a5fb0", "#c08a1e", "#4a4a4a"};
+constexpr double kWidth = 640, kHeight = 414, kLeft = 70, kRight = 20, kTop = 66, kBottom = 55;
+constexpr std::array<const char*, 10> kColours = {"#1f6fb4", "#c8443c", "#2e8b57", "#8a5fb0", "#c08a1e",
+                                                  "#4a4a4a", "#1b9aaa", "#d6569b", "#7a5230", "#7f8c1d"};
 
 /// One axis: a range of values and how they map to 0..1.
 struct Scale {
@@ -105,15 +106,20 @@ std::string draw_series(const PlotAxes& axes, const PlotSeries& series, size_t i
     return fmt::format("<path d='{}' fill='none' stroke='{}' stroke-width='1.5'/>\n{}", line, colour, marks);
 }
 
-/// The names of the lines, side by side between title and axes.
+/// The names of the lines, side by side above the axes, in rows from below.
 std::string legend(const std::vector<PlotSeries>& series) {
-    constexpr double kLetter = 6.5, kGap = 14;  // about, of a 12-unit font
+    constexpr double kLetter = 6.5, kGap = 14, kRow = 14;  // about, of a 12-unit font
     std::string out;
-    double x = kLeft;
+    double x = kLeft, y = kTop - 8;
     for (size_t i = 0; i < series.size(); ++i) {
-        out += fmt::format("<text x='{:.1f}' y='{}' fill='{}'>{}</text>\n", x, kTop - 8, kColours[i % kColours.size()],
+        const double width = kLetter * static_cast<double>(series[i].name.size());
+        if (x > kLeft && x + width > kWidth - kRight) {
+            x = kLeft;
+            y -= kRow;
+        }
+        out += fmt::format("<text x='{:.1f}' y='{}' fill='{}'>{}</text>\n", x, y, kColours[i % kColours.size()],
                            escape_html(series[i].name));
-        x += kLetter * static_cast<double>(series[i].name.size()) + kGap;
+        x += width + kGap;
     }
     return out;
 }

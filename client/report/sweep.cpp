@@ -103,11 +103,14 @@ Result<FrameRow> Sweep::fly_frame(uint32_t i, const std::string& prefix, VulkanR
     row.wire_bytes = streamed.wire_bytes;
     row.dictionary_bytes = streamed.facade_index_bytes + streamed.facade_map_bytes;
     row.atlas_bytes = streamed.atlas_bytes();
+    row.mesh_bytes = streamed.layer_bytes[static_cast<size_t>(tiles::tileset::Layer::kMesh)];
     row.gpu_bytes = renderer.slots_used() * renderer.slot_bytes();
     row.tiles = streamed.tiles_drawn;
     row.relief_tiles = streamed.relief_tiles;
     row.tolerance_used = streamed.tolerance_used;
     row.achieved_error_pixels = streamed.achieved_error_pixels;
+    row.position_error_pixels = streamed.position_error_pixels;
+    row.position_bits = streamed.position_bits;
     row.difference = *difference;
     row.picture = fmt::format("{}_{:03}.png", prefix, i);
     row.flip_picture = fmt::format("{}_{:03}_flip.png", prefix, i);
@@ -117,6 +120,7 @@ Result<FrameRow> Sweep::fly_frame(uint32_t i, const std::string& prefix, VulkanR
     out.total_wire_bytes += row.wire_bytes;
     out.total_dictionary_bytes += row.dictionary_bytes;
     out.total_atlas_bytes += row.atlas_bytes;
+    out.total_mesh_bytes += row.mesh_bytes;
     out.largest_gpu_bytes = std::max(out.largest_gpu_bytes, row.gpu_bytes);
     out.warnings.insert(out.warnings.end(), streamed.warnings.begin(), streamed.warnings.end());
     return row;
@@ -239,6 +243,7 @@ Result<SweepResult> run_sweep(const SweepOptions& options, const std::vector<Set
 double median_of(const std::vector<FrameRow>& frames, const std::function<double(const FrameRow&)>& column) {
     if (frames.empty()) return 0;
     std::vector<double> values;
+    values.reserve(frames.size());
     for (const FrameRow& row : frames) values.push_back(column(row));
     std::sort(values.begin(), values.end());
     const size_t middle = values.size() / 2;

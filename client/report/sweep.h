@@ -64,9 +64,12 @@ struct FrameRow {
     uint64_t wire_bytes = 0;                                         ///< fetched for this frame
     uint64_t dictionary_bytes = 0;                                   ///< of wire_bytes: facade index and maps
     uint64_t atlas_bytes = 0;                                        ///< of wire_bytes: all that pictures take
+    uint64_t mesh_bytes = 0;                                         ///< of wire_bytes
     uint64_t gpu_bytes = 0;                                          ///< layer slots in use
     uint64_t tiles = 0, relief_tiles = 0;
     double tolerance_used = 0, achieved_error_pixels = 0;
+    double position_error_pixels = 0;  ///< of achieved_error_pixels: for want of low bits of positions
+    double position_bits = 0;          ///< of a coordinate, average of triangles drawn
     ImageDifference difference;
     std::string picture;  ///< file name in picture_folder
     std::string flip_picture;
@@ -76,7 +79,7 @@ struct SettingResult {
     Setting setting;
     std::vector<FrameRow> frames;
     std::string build_options;  ///< of the city, as its manifest says
-    uint64_t total_wire_bytes = 0, total_dictionary_bytes = 0, total_atlas_bytes = 0;
+    uint64_t total_wire_bytes = 0, total_dictionary_bytes = 0, total_atlas_bytes = 0, total_mesh_bytes = 0;
     uint64_t largest_gpu_bytes = 0;
     std::vector<std::string> warnings;
 };

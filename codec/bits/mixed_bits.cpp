@@ -30,24 +30,32 @@ constexpr std::array<uint16_t, 2 * kMostStretch + 1> make_squash() {
 }
 constexpr auto kSquash = make_squash();
 
-/// The inverse of kSquash for 4096 probabilities in the middle of equal intervals of `scale`.
-constexpr uint32_t kCoarseBits = 12;
-constexpr std::array<int16_t, 1u << kCoarseBits> make_stretch(uint32_t scale) {
-    std::array<int16_t, 1u << kCoarseBits> table{};
+/// The inverse of kSquash: first for each of the lowest kFine probabilities, then for each of the highest kFine, then
+/// for all in the middle of intervals of 2^kCoarseBits.
+constexpr uint32_t kFine = 4096, kCoarseBits = 4, kProbabilities = 1u << kProbabilityBits;
+constexpr std::array<int16_t, 2 * kFine + (kProbabilities >> kCoarseBits)> make_stretch() {
+    std::array<int16_t, 2 * kFine + (kProbabilities >> kCoarseBits)> table{};
     int32_t at = -kMostStretch;
-    for (uint32_t i = 0; i < table.size(); ++i) {
-        const uint32_t p = i * scale + scale / 2;
+    const auto reach = [&at](uint32_t p) {
         while (at < kMostStretch && kSquash[static_cast<uint32_t>(at + kMostStretch)] < p) ++at;
-        table[i] = static_cast<int16_t>(at);
-    }
+        return static_cast<int16_t>(at);
+    };
+    for (uint32_t p = 0; p < kFine; ++p) table[p] = reach(p);
+    for (uint32_t p = 1; p < kFine; ++p) table[2 * kFine - p] = static_cast<int16_t>(-table[p]);
+    at = -kMostStretch;
+    for (uint32_t p = 0; p < kProbabilities; p += 1u << kCoarseBits)
+        table[2 * kFine + (p >> kCoarseBits)] = reach(p + (1u << kCoarseBits) / 2);
     return table;
 }
-constexpr auto kStretch = make_stretch(16), kStretchOfSmall = make_stretch(1);
+constexpr auto kStretch = make_stretch();
 
+/// Reckons without branches, for which of the three parts it is cannot be foreseen.
 int32_t stretch(uint32_t p) {
-    if (p < 4096) return kStretchOfSmall[p];
-    if (p > 65536 - 4096) return -kStretchOfSmall[65536 - p];
-    return kStretch[p >> (kProbabilityBits - kCoarseBits)];
+    constexpr uint32_t kHighest = kProbabilities - kFine, kMiddleAt = 2 * kFine, kHighAt = kFine;
+    const uint32_t is_low = p < kFine ? 1 : 0;
+    const uint32_t is_high = p > kHighest ? 1 : 0;
+    const uint32_t is_middle = 1 - is_low - is_high;
+    return kStretch[(p >> (is_middle * kCoarseBits)) + is_middle * kMiddleAt - is_high * (kHighest - kHighAt)];
 }
 
 uint32_t squash(int32_t x) {
@@ -59,19 +67,35 @@ constexpr int32_t kOneWeight = 1 << 16, kMostWeight = 8 * kOneWeight;
 /// one for every kRateInterval bits, shifted.
 constexpr int32_t kFirstRate = 32, kLastRate = 6, kLearningShift = 18, kRateInterval = 16;
 
+/// Calls loop(i) for each context, unrolled: it takes a few instructions only.
+template <typename Loop>
+void for_each_context(uint32_t contexts, Loop loop) {
+    uint32_t i = 0;
+    for (; i + 3 <= contexts; i += 3) {
+        loop(i);
+        loop(i + 1);
+        loop(i + 2);
+    }
+    for (; i < contexts; ++i) loop(i);
+}
+
 }  // namespace
 
 MixedBits::MixedBits(std::initializer_list<uint32_t> context_counts, uint32_t nodes, uint32_t sets)
-    : contexts_(static_cast<uint32_t>(context_counts.size())), nodes_(nodes), sets_(sets), counts_(context_counts) {
+    : contexts_(static_cast<uint32_t>(context_counts.size())),
+      nodes_(nodes),
+      sets_(sets),
+      first_weight_(kOneWeight * 5 / static_cast<int32_t>(4 * contexts_)) {
     assert(contexts_ >= 1 && contexts_ <= kMostContexts && sets_ >= 1);
-    uint32_t values = 0;
-    for (const uint32_t count : counts_) {
-        starts_.push_back(values);
+    uint32_t values = 0, i = 0;
+    for (const uint32_t count : context_counts) {
+        counts_[i] = count;
+        starts_[i++] = values;
         values += count;
     }
-    models_.resize(size_t{values} * nodes);
-    seen_.assign(size_t{nodes} * sets, 0);
-    weights_.assign(size_t{contexts_} * nodes * sets, kOneWeight * 5 / static_cast<int32_t>(4 * contexts_));
+    rows_.resize(values);
+    seen_.resize(size_t{nodes} * sets);
+    weights_.resize(size_t{contexts_} * nodes * sets);
 }
 
 void MixedBits::set_contexts(std::initializer_list<uint32_t> values, uint32_t set) {
@@ -79,18 +103,25 @@ void MixedBits::set_contexts(std::initializer_list<uint32_t> values, uint32_t se
     set_ = std::min(set, sets_ - 1);
     uint32_t i = 0;
     for (const uint32_t value : values) {
-        at_[i] = (starts_[i] + std::min(value, counts_[i] - 1)) * nodes_;
-        ++i;
+        uint32_t& row = rows_[starts_[i] + std::min(value, counts_[i] - 1)];
+        if (row == 0) {
+            row = static_cast<uint32_t>(models_.size()) + 1;
+            models_.resize(models_.size() + nodes_);
+        }
+        at_[i++] = row - 1;
     }
 }
 
 uint32_t MixedBits::mix(uint32_t node) {
     int64_t sum = 0;
     const int32_t* weight = &weights_[(size_t{set_} * nodes_ + node) * contexts_];
-    for (uint32_t i = 0; i < contexts_; ++i) {
-        stretched_[i] = stretch(models_[at_[i] + node].probability_of_one());
-        sum += int64_t{weight[i]} * stretched_[i];
-    }
+    const BitEstimates* models = models_.data() + node;
+    const int32_t first_weight = first_weight_;
+    for_each_context(contexts_, [&](uint32_t i) {
+        const int32_t stretched = stretch(models[at_[i]].probability_of_one());
+        stretched_[i] = stretched;
+        sum += int64_t{first_weight + weight[i]} * stretched;
+    });
     mixed_ = squash(static_cast<int32_t>(std::clamp<int64_t>(sum >> 16, -kMostStretch, kMostStretch)));
     return mixed_;
 }
@@ -99,13 +130,16 @@ void MixedBits::learn(uint32_t node, uint32_t bit) {
     const int32_t error = static_cast<int32_t>(bit << kProbabilityBits) - static_cast<int32_t>(mixed_);
     const size_t row = size_t{set_} * nodes_ + node;
     int32_t* weight = &weights_[row * contexts_];
+    BitEstimates* models = models_.data() + node;
     const int32_t rate = std::max(kFirstRate - static_cast<int32_t>(seen_[row] / kRateInterval), kLastRate);
     if (seen_[row] < kFirstRate * kRateInterval) ++seen_[row];
-    for (uint32_t i = 0; i < contexts_; ++i) {
-        const auto move = static_cast<int32_t>(int64_t{error} * stretched_[i] * rate >> kLearningShift);
-        weight[i] = std::clamp(weight[i] + move, -kMostWeight, kMostWeight);
-        models_[at_[i] + node].learn(bit);
-    }
+    const int64_t pull = int64_t{error} * rate;
+    const int32_t least = -kMostWeight - first_weight_, most = kMostWeight - first_weight_;
+    for_each_context(contexts_, [&](uint32_t i) {
+        const auto move = static_cast<int32_t>(pull * stretched_[i] >> kLearningShift);
+        weight[i] = std::clamp(weight[i] + move, least, most);
+        models[at_[i]].learn(bit);
+    });
 }
 
 }  // namespace citystream::codec::bits

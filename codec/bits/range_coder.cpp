@@ -1,7 +1,6 @@
 #include "codec/bits/range_coder.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
@@ -12,44 +11,12 @@ namespace citystream::codec::bits {
 namespace {
 
 constexpr uint32_t kOne = 1u << 16;
-constexpr uint32_t kLeastRange = 1u << 24;
-/// Bits after which the two estimates stop slowing down.
-constexpr uint32_t kFastMemory = 24, kSlowMemory = 200;
-
-/// 65536 / (seen + 1.5): how far an estimate moves towards the bit just seen.
-constexpr std::array<uint16_t, kSlowMemory + 1> make_steps() {
-    std::array<uint16_t, kSlowMemory + 1> steps{};
-    for (uint32_t seen = 0; seen <= kSlowMemory; ++seen) steps[seen] = static_cast<uint16_t>(2 * kOne / (2 * seen + 3));
-    return steps;
-}
-constexpr std::array<uint16_t, kSlowMemory + 1> kSteps = make_steps();
-
-/// Estimates are in 2^-28: fine enough that a long run of equal bits comes to cost next to nothing.
-constexpr uint32_t kEstimateBits = 28;
-constexpr uint32_t kSureOne = (1u << kEstimateBits) - 1, kHalf = 1u << (kEstimateBits - 1);
-
-uint32_t moved(uint32_t estimate, uint32_t bit, uint32_t step) {
-    const uint32_t gap = bit != 0 ? kSureOne - estimate : estimate;
-    const auto move = static_cast<uint32_t>(uint64_t{gap} * step / kOne);
-    return bit != 0 ? estimate + move : estimate - move;
-}
 
 }  // namespace
 
-uint32_t BitEstimates::probability_of_one() const {
-    return std::clamp(((fast ^ kHalf) + (slow ^ kHalf)) >> (kEstimateBits + 1 - 16), 1u, kOne - 1);
-}
-
-void BitEstimates::learn(uint32_t bit) {
-    fast = moved(fast ^ kHalf, bit, kSteps[std::min<uint32_t>(seen, kFastMemory)]) ^ kHalf;
-    slow = moved(slow ^ kHalf, bit, kSteps[seen]) ^ kHalf;
-    if (seen < kSlowMemory) ++seen;
-}
-
 BitModel::BitModel(double probability_of_one, uint32_t weight) {
     assert(probability_of_one > 0 && probability_of_one < 1 && weight <= kMostWeight);
-    estimates_.fast = estimates_.slow = static_cast<uint32_t>(probability_of_one * kSureOne) ^ kHalf;
-    estimates_.seen = weight;
+    estimates_ = {static_cast<uint32_t>(probability_of_one * BitEstimates::kSure), weight};
 }
 
 double BitModel::cost(uint32_t bit) const {
@@ -121,36 +88,6 @@ std::vector<std::byte> RangeEncoder::finish() {
 
 RangeDecoder::RangeDecoder(std::span<const std::byte> bytes) : bytes_(bytes) {
     for (int i = 0; i < 4; ++i) code_ = code_ << 8 | next_byte();
-}
-
-uint32_t RangeDecoder::next_byte() {
-    const size_t at = position_++;
-    if (at < bytes_.size()) return std::to_integer<uint32_t>(bytes_[at]);
-    if (at >= bytes_.size() + kPaddingBytes) {
-        failed_ = true;
-        position_ = at;
-    }
-    return 0;
-}
-
-void RangeDecoder::narrow(uint32_t start, uint32_t size) {
-    code_ -= start;
-    range_ = size;
-    while (range_ < kLeastRange) {
-        code_ = code_ << 8 | next_byte();
-        range_ <<= 8;
-    }
-}
-
-uint32_t RangeDecoder::likely_bit(uint32_t probability_of_one, uint32_t /*ignored*/) {
-    if (failed_) return 0;
-    const auto ones = static_cast<uint32_t>(uint64_t{range_} * probability_of_one >> 16);
-    const uint32_t value = code_ < ones ? 1 : 0;
-    if (value != 0)
-        narrow(0, ones);
-    else
-        narrow(ones, range_ - ones);
-    return failed_ ? 0 : value;
 }
 
 uint32_t RangeDecoder::bit(BitModel& model, uint32_t /*ignored*/) {

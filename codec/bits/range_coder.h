@@ -12,6 +12,7 @@
 // 0 from then on; check finish() before any decoded number is trusted. All calls end after a bounded number of steps.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -21,17 +22,59 @@
 
 namespace citystream::codec::bits {
 
-/// What is known of a bit: the probability that it is 1, by two estimates, one that forgets fast and one that forgets
-/// slowly. The first bits count most (as 1 / (bits seen + 1.5)), so that a handful says much. Zeros: nothing is known,
-/// so that a table of hundreds of thousands costs no more than clearing its memory.
-struct BitEstimates {
-    uint32_t fast, slow;  ///< in 2^-28, exclusive or one half
-    uint32_t seen;        ///< bits
+/// By the bits seen: how far the two estimates of BitEstimates move towards the next, in 1/65536.
+struct EstimateSteps {
+    /// Bits after which they stop slowing down.
+    static constexpr uint32_t kFastMemory = 24, kSlowMemory = 200;
+    uint16_t fast[kSlowMemory + 1]{}, slow[kSlowMemory + 1]{};
 
-    /// In 1/65536, 1..65535.
-    uint32_t probability_of_one() const;
-    void learn(uint32_t bit);
+    constexpr EstimateSteps() {
+        for (uint32_t seen = 0; seen <= kSlowMemory; ++seen) {
+            slow[seen] = static_cast<uint16_t>((2u << 16) / (2 * seen + 3));
+            fast[seen] = slow[seen < kFastMemory ? seen : kFastMemory];
+        }
+    }
 };
+inline constexpr EstimateSteps kEstimateSteps;
+
+/// What is known of a bit: the probability that it is 1, by two estimates, one that forgets fast and one that forgets
+/// slowly. The first bits count most (as 1 / (bits seen + 1.5)), so that a handful says much. Eight bytes, all 0 when
+/// nothing is known, so that a table of many costs no more than clearing its memory.
+class BitEstimates {
+  public:
+    BitEstimates() = default;
+    /// A first guess in 2^-28 that counts as much as `seen` bits.
+    BitEstimates(uint32_t probability_of_one, uint32_t seen)
+        : state_((probability_of_one | uint64_t{probability_of_one} << kEstimateBits | uint64_t{seen} << kSeenAt) ^
+                 kHalves) {}
+    /// In 1/65536, 1..65535.
+    uint32_t probability_of_one() const {
+        const uint64_t known = state_ ^ kHalves;
+        const auto sum = static_cast<uint32_t>((known & kSure) + (known >> kEstimateBits & kSure));
+        return std::max(sum >> (kEstimateBits + 1 - 16), 1u);
+    }
+    void learn(uint32_t bit);
+
+    /// Estimates are in 2^-28: fine enough that a long run of equal bits comes to cost next to nothing.
+    static constexpr uint32_t kEstimateBits = 28, kSure = (1u << kEstimateBits) - 1;
+
+  private:
+    static constexpr uint32_t kSeenAt = 2 * kEstimateBits;
+    static constexpr uint64_t kHalf = uint64_t{1} << (kEstimateBits - 1), kHalves = kHalf | kHalf << kEstimateBits;
+    uint64_t state_ = 0;  ///< fast, slow, bits seen from the lowest on; the first two less one half (exclusive or)
+};
+static_assert(sizeof(BitEstimates) == 8);
+
+inline void BitEstimates::learn(uint32_t bit) {
+    const uint64_t known = state_ ^ kHalves, seen = known >> kSeenAt;
+    // An estimate of 1 moves up by its distance to sure as one of 0 moves down by its own.
+    const uint64_t turn = bit != 0 ? kSure : 0;
+    uint64_t fast = (known & kSure) ^ turn, slow = (known >> kEstimateBits & kSure) ^ turn;
+    fast -= fast * kEstimateSteps.fast[seen] >> 16;
+    slow -= slow * kEstimateSteps.slow[seen] >> 16;
+    const uint64_t more = seen < EstimateSteps::kSlowMemory ? seen + 1 : seen;
+    state_ = ((fast ^ turn) | (slow ^ turn) << kEstimateBits | more << kSeenAt) ^ kHalves;
+}
 
 /// The same of one kind of bits that a coder asks for by itself.
 class BitModel {
@@ -50,6 +93,9 @@ class BitModel {
   private:
     BitEstimates estimates_{};
 };
+
+/// Coders keep their range at or above this.
+inline constexpr uint32_t kLeastRange = 1u << 24;
 
 class RangeEncoder {
   public:
@@ -98,6 +144,36 @@ class RangeDecoder {
     uint32_t code_ = 0, range_ = 0xffffffffu;
     bool failed_ = false;
 };
+
+inline uint32_t RangeDecoder::next_byte() {
+    const size_t at = position_++;
+    if (at < bytes_.size()) return std::to_integer<uint32_t>(bytes_[at]);
+    if (at >= bytes_.size() + kPaddingBytes) {
+        failed_ = true;
+        position_ = at;
+    }
+    return 0;
+}
+
+inline void RangeDecoder::narrow(uint32_t start, uint32_t size) {
+    code_ -= start;
+    range_ = size;
+    while (range_ < kLeastRange) {
+        code_ = code_ << 8 | next_byte();
+        range_ <<= 8;
+    }
+}
+
+inline uint32_t RangeDecoder::likely_bit(uint32_t probability_of_one, uint32_t /*ignored*/) {
+    if (failed_) return 0;
+    const auto ones = static_cast<uint32_t>(uint64_t{range_} * probability_of_one >> 16);
+    const uint32_t value = code_ < ones ? 1 : 0;
+    if (value != 0)
+        narrow(0, ones);
+    else
+        narrow(ones, range_ - ones);
+    return failed_ ? 0 : value;
+}
 
 /// Numbers 0..count - 1 with a model for each inner node of the binary tree over them, most significant bit first;
 /// branches without numbers cost nothing. Memory: count models, so the caller bounds the count.

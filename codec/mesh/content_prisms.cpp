@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@ namespace citystream::codec::mesh {
 namespace {
 
 using Places = std::array<GridPoint, 3>;
+constexpr uint32_t kNone = ~uint32_t{0};
 
 /// The same for all turns of a triangle.
 Places turned_to_least(const Places& places) {
@@ -24,16 +26,16 @@ Places turned_to_least(const Places& places) {
     return least;
 }
 
-/// Triangles found by their places; each is handed out once, those at the same places in their order.
+/// Triangles found by their places; each is handed out once, of those at the same places the least chart word first.
 class TrianglesByPlace {
   public:
     TrianglesByPlace(const MeshContent& content, std::span<const uint32_t> triangles)
-        : content_(content), taken_(content.triangles.size()) {
+        : taken_(content.triangles.size()) {
         for (const uint32_t t : triangles) {
             Places places;
             for (size_t k = 0; k < places.size(); ++k)
                 places[k] = content.points[content.triangles[t].corners[k].point];
-            sorted_.emplace_back(turned_to_least(places), t);
+            sorted_.emplace_back(turned_to_least(places), content.triangles[t].chart_word, t);
         }
         std::sort(sorted_.begin(), sorted_.end());
     }
@@ -41,12 +43,13 @@ class TrianglesByPlace {
     /// One that is not taken, of the colour if one is asked for.
     std::optional<uint32_t> take(const Places& places, std::optional<uint32_t> colour) {
         const Places key = turned_to_least(places);
-        for (auto at = std::lower_bound(sorted_.begin(), sorted_.end(), std::pair{key, 0u});
-             at != sorted_.end() && at->first == key; ++at) {
-            const uint32_t chart = content_.triangles[at->second].chart_word;
-            if (taken_[at->second] || (colour && chart != *colour)) continue;
-            taken_[at->second] = true;
-            return at->second;
+        for (auto at = std::lower_bound(sorted_.begin(), sorted_.end(), Entry{key, colour.value_or(0), 0});
+             at != sorted_.end() && std::get<Places>(*at) == key; ++at) {
+            const auto& [at_places, chart, triangle] = *at;
+            if (colour && chart != *colour) break;
+            if (taken_[triangle]) continue;
+            taken_[triangle] = true;
+            return triangle;
         }
         return std::nullopt;
     }
@@ -56,8 +59,8 @@ class TrianglesByPlace {
     bool taken(size_t triangle) const { return taken_[triangle]; }
 
   private:
-    const MeshContent& content_;
-    std::vector<std::pair<Places, uint32_t>> sorted_;
+    using Entry = std::tuple<Places, uint32_t, uint32_t>;  ///< chart word, number
+    std::vector<Entry> sorted_;
     std::vector<bool> taken_;
 };
 
@@ -99,6 +102,26 @@ PrismSplit split_of(const MeshContent& content, std::span<const uint32_t> triang
     return split_prisms(mesh);
 }
 
+/// Leaves out points that no triangle has; the others in order of first use.
+void drop_unused_points(MeshContent& content) {
+    std::vector<uint32_t> number(content.points.size(), kNone);
+    std::vector<GridPoint> points;
+    std::vector<uint8_t> most_dropped;
+    for (MeshTriangle& triangle : content.triangles) {
+        for (MeshCorner& corner : triangle.corners) {
+            uint32_t& to = number[corner.point];
+            if (to == kNone) {
+                to = static_cast<uint32_t>(points.size());
+                points.push_back(content.points[corner.point]);
+                if (!content.most_dropped.empty()) most_dropped.push_back(content.most_dropped[corner.point]);
+            }
+            corner.point = to;
+        }
+    }
+    content.points = std::move(points);
+    content.most_dropped = std::move(most_dropped);
+}
+
 }  // namespace
 
 void take_prisms(MeshContent& content, std::span<const uint8_t> may_be_prism) {
@@ -116,6 +139,7 @@ void take_prisms(MeshContent& content, std::span<const uint8_t> may_be_prism) {
         if (!triangles.taken(t)) left.push_back(content.triangles[t]);
     }
     content.triangles = std::move(left);
+    drop_unused_points(content);
 }
 
 }  // namespace citystream::codec::mesh

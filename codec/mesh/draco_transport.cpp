@@ -14,6 +14,7 @@
 #include "codec/bits/range_coder.h"
 #include "codec/chart_word.h"
 #include "codec/mesh/byte_numbers.h"
+#include "codec/mesh/content_prisms.h"
 #include "codec/mesh/draco_corners.h"
 #include "codec/mesh/mesh_triangles.h"
 #include "codec/mesh/octahedral.h"
@@ -88,6 +89,10 @@ std::vector<Triangle> sorted_triangles(std::span<const DracoCorner> corners) {
     return triangles;
 }
 
+uint32_t plane_code(const std::array<GridPoint, 3>& places, uint32_t bits) {
+    return static_cast<uint32_t>(canonical_octahedral(pack_octahedral(plane_vector(places), bits), bits));
+}
+
 /// Content as corners.
 class CornerWriter {
   public:
@@ -124,8 +129,7 @@ class CornerWriter {
         return static_cast<uint32_t>(found - charts_.begin());
     }
     void add_prism_triangle(const std::array<GridPoint, 3>& places, uint32_t word) {
-        const uint64_t normal =
-            canonical_octahedral(pack_octahedral(plane_vector(places), content_.normal_bits), content_.normal_bits);
+        const uint32_t normal = plane_code(places, content_.normal_bits);
         Triangle triangle;
         for (size_t k = 0; k < 3; ++k) triangle[k] = corner_at(places[k], normal, number_of(word), false);
         add(triangle);
@@ -158,6 +162,21 @@ bool is_too_wide(std::span<const DracoCorner> corners) {
             return true;
     }
     return false;
+}
+
+/// Of each triangle whether it may be part of a prism: undressed, of one colour, the code of its plane at its corners.
+std::vector<uint8_t> plane_coloured(const MeshContent& content) {
+    std::vector<uint8_t> flags;
+    for (const MeshTriangle& triangle : content.triangles) {
+        std::array<GridPoint, 3> places;
+        for (size_t k = 0; k < 3; ++k) places[k] = content.points[triangle.corners[k].point];
+        const uint32_t code = plane_code(places, content.normal_bits);
+        const bool is_flat = plane_vector(places) != Direction{} &&
+                             std::all_of(triangle.corners.begin(), triangle.corners.end(),
+                                         [code](const MeshCorner& corner) { return corner.normal == code; });
+        flags.push_back(is_flat && !triangle.dressed && names_colour(triangle.chart_word) ? 1 : 0);
+    }
+    return flags;
 }
 
 /// By the first method that brings all back.
@@ -212,6 +231,7 @@ class Reader {
             if (Status status = read_part(); !status) return status.error();
         }
         if (in_.left() > 0) return damaged("bytes follow the last mesh");
+        take_prisms(content_, plane_coloured(content_));
         return std::move(content_);
     }
 
@@ -331,8 +351,8 @@ Result<MeshWire> encode_draco_mesh(const MeshContent& content) {
     const std::vector<Chart> charts = charts_of(content);
     const CornerWriter corners(content, charts);
     if (is_too_wide(corners.apart) || is_too_wide(corners.folded)) return Error{"a mesh too wide for Draco"};
-    std::vector<std::byte> bytes;
-    for (const char c : kMagic) bytes.push_back(static_cast<std::byte>(c));
+    const auto magic = std::as_bytes(std::span(kMagic));
+    std::vector<std::byte> bytes(magic.begin(), magic.end());
     for (const uint32_t field : {content.dropped.back(), content.normal_bits, static_cast<uint32_t>(content.topology)})
         bytes.push_back(static_cast<std::byte>(field));
     put_charts(bytes, charts);

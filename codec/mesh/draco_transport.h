@@ -1,5 +1,6 @@
-// Mesh layers by libdraco instead of mesh_wire.h: for comparison, and for whoever has nothing else. One step, prisms
-// joined into the surface, everything else the same content, lossless on the grid of the last step.
+// Mesh layers by libdraco instead of mesh_wire.h: for comparison, and for whoever has nothing else. One step, lossless
+// on the grid of the last step. Prisms travel as triangles and are found again by the reader, so that what is kept and
+// drawn is the same.
 //
 // The bytes: "CSDM"; bytes: bits dropped, bits a parameter of a normal, topology; the charts: their number and each
 // one's word, of an image also its texture coordinates' bases (zigzag) and shifts; then two meshes: number of triangles
@@ -26,7 +27,8 @@ bool is_draco_mesh(std::span<const std::byte> bytes);
 /// difference occurs in a table of as many entries as there are differences.
 inline constexpr uint32_t kMostDracoPlaceBits = 22;
 
-/// One step and the content as its reader will have it: no prisms, one step, no most_dropped. Preconditions: those of
+/// One step and the content as its reader will have it: one step, no most_dropped, prisms as they are found among all
+/// triangles of one colour that have the code of their plane. Preconditions: those of
 /// encode_mesh_wire, and texture coordinates of a chart span at most 16 bits less common trailing zeros, as
 /// make_content has them. Error: places of more than kMostDracoPlaceBits, or libdraco declines (no such mesh is known):
 /// such a layer travels by mesh_wire.h. Deterministic for one version of libdraco.

@@ -105,8 +105,12 @@ inline FlatNormalCode::Nearest FlatNormalCode::nearest_to(const Octant& plane, s
         const uint32_t off = distance(d, plane, mirrored);
         if (off < nearest.distance) nearest = {d, off, turned};
     };
-    for (const uint64_t code : met) consider(unfold_octahedral(code, bits_), false);
+    for (const uint64_t code : met) {
+        if (nearest.distance == 0) return nearest;
+        consider(unfold_octahedral(code, bits_), false);
+    }
     for (const Octant& d : std::span(recent_).first(recent_count_)) {
+        if (nearest.distance == 0) return nearest;
         consider(d, false);
         consider({-d[1], d[0], d[2]}, true);
         consider({-d[0], -d[1], d[2]}, true);

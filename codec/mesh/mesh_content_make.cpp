@@ -18,8 +18,6 @@ namespace citystream::codec::mesh {
 
 namespace {
 
-constexpr uint32_t kNone = ~uint32_t{0};
-
 GridPoint biased(const MeshVertex& vertex) {
     GridPoint point{};
     for (size_t c = 0; c < 3; ++c) point[c] = vertex.position[c] + kMeshBias;
@@ -120,26 +118,6 @@ void keep_constrained(const MeshContent& content, std::vector<uint8_t>& may_be_p
     }
 }
 
-/// Leaves out points that only prisms have; the others in order of first use.
-void drop_unused_points(MeshContent& content) {
-    std::vector<uint32_t> number(content.points.size(), kNone);
-    std::vector<GridPoint> points;
-    std::vector<uint8_t> most_dropped;
-    for (MeshTriangle& triangle : content.triangles) {
-        for (MeshCorner& corner : triangle.corners) {
-            uint32_t& to = number[corner.point];
-            if (to == kNone) {
-                to = static_cast<uint32_t>(points.size());
-                points.push_back(content.points[corner.point]);
-                if (!content.most_dropped.empty()) most_dropped.push_back(content.most_dropped[corner.point]);
-            }
-            corner.point = to;
-        }
-    }
-    content.points = std::move(points);
-    content.most_dropped = std::move(most_dropped);
-}
-
 }  // namespace
 
 MeshContent make_content(const MeshTile& tile, const MeshContentOptions& options) {
@@ -158,7 +136,6 @@ MeshContent make_content(const MeshTile& tile, const MeshContentOptions& options
     if (options.constraint) constrain(content, *options.constraint);
     keep_constrained(content, may_be_prism);
     take_prisms(content, may_be_prism);
-    drop_unused_points(content);
     return content;
 }
 

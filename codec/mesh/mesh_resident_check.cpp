@@ -63,7 +63,7 @@ class Checker {
         face_chart_bits_ = bits >> 8;
         return end_ <= words_.size() && tables <= end_ && 32 * end_ <= kMostBits &&
                normal_bits_ >= kLeastMeshNormalBits && normal_bits_ <= kMostMeshNormalBits &&
-               face_chart_bits_ <= kMostFieldBits;
+               face_chart_bits_ < kMostFieldBits;
     }
 
     bool positions_fit() const {

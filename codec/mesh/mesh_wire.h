@@ -5,8 +5,9 @@
 // (surface_walk.h), how many bits each point may drop, then what triangles and corners have besides places
 // (mesh_attributes.h), each expected from the triangle that the walk comes from.
 //
-// Time: 2 to 3 us a triangle to decode, less for prisms, twice that to encode. Memory: some hundred bytes a triangle
-// and about 3 MB of models. Bytes depend on the content alone.
+// Time: 2 to 3 us a triangle to decode, less for prisms, two to three times that to encode; some microseconds for a
+// single triangle. Memory: some hundred bytes a triangle, and models of the contexts that were met: 3 MB at most. Bytes
+// depend on the content alone.
 //
 // Untrusted bytes: every index, coordinate and count is checked; reading stops at the end of the bytes or at the
 // limits, and nothing is allocated by a number that was read.

@@ -6,6 +6,7 @@
 // coordinate difference, then by index.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -33,13 +34,27 @@ class NearPoints {
         int32_t x, y, z;
         bool operator==(const Cube&) const = default;
     };
-    Cube cube_of(const GridPoint& point) const;
-    size_t slot_of(const Cube& cube) const;
+    struct Entry {
+        GridPoint place;
+        uint32_t older;  ///< in the same slot
+    };
+    // Cubes have a side of at least 2, so that the neighbours of any cube can be numbered.
+    Cube cube_of(const GridPoint& point) const {
+        return {point[0] >> cell_bits_, point[1] >> cell_bits_, point[2] >> cell_bits_};
+    }
+    /// A slot in three parts, so that neighbours share the first ones.
+    static uint64_t hash_x(int32_t x) { return static_cast<uint32_t>(x) * uint64_t{0x9e3779b97f4a7c15}; }
+    static uint64_t hash_y(uint64_t hash, int32_t y) {
+        return (hash ^ static_cast<uint32_t>(y)) * uint64_t{0xbf58476d1ce4e5b9};
+    }
+    size_t slot(uint64_t hash, int32_t z) const {
+        return (((hash ^ static_cast<uint32_t>(z)) * uint64_t{0x94d049bb133111eb}) >> 32) & (newest_.size() - 1);
+    }
+    size_t slot_of(const Cube& cube) const { return slot(hash_y(hash_x(cube.x), cube.y), cube.z); }
     void grow();
 
     uint32_t cell_bits_;
-    std::vector<GridPoint> points_;
-    std::vector<uint32_t> older_;  ///< in the same slot
+    std::vector<Entry> points_;
     std::vector<uint32_t> newest_;
 };
 
@@ -57,11 +72,24 @@ inline uint32_t distance_between(const GridPoint& a, const GridPoint& b) {
 template <typename Take>
 void NearPoints::each_near(const GridPoint& place, Take take) const {
     const Cube middle = cube_of(place);
-    for (int32_t i = 0; i < 27; ++i) {
-        const Cube cube{middle.x + i % 3 - 1, middle.y + i / 3 % 3 - 1, middle.z + i / 9 - 1};
-        uint32_t index = newest_[slot_of(cube)];
-        for (uint32_t seen = 0; index != kNone && seen < kMostInCube; ++seen, index = older_[index]) {
-            if (cube_of(points_[index]) == cube) take(index, distance_between(points_[index], place));
+    std::array<uint32_t, 27> newest{};  // all slots before any point: what has to come from memory comes at once
+    size_t i = 0;
+    for (int32_t x = middle.x - 1; x <= middle.x + 1; ++x) {
+        const uint64_t of_x = hash_x(x);
+        for (int32_t y = middle.y - 1; y <= middle.y + 1; ++y) {
+            const uint64_t of_y = hash_y(of_x, y);
+            for (int32_t z = middle.z - 1; z <= middle.z + 1; ++z) newest[i++] = newest_[slot(of_y, z)];
+        }
+    }
+    i = 0;
+    for (const uint32_t first : newest) {
+        const auto n = static_cast<int32_t>(i++);
+        const Cube cube{middle.x + n / 9 - 1, middle.y + n / 3 % 3 - 1, middle.z + n % 3 - 1};
+        uint32_t index = first;
+        for (uint32_t seen = 0; index != kNone && seen < kMostInCube; ++seen) {
+            const Entry& entry = points_[index];
+            if (cube_of(entry.place) == cube) take(index, distance_between(entry.place, place));
+            index = entry.older;
         }
     }
 }

@@ -79,7 +79,7 @@ class PointCoder {
     PlacePredictor predictor_;
     ShapeMemory memory_;
     bits::MixedBits hits_;
-    bits::MixedNumbers rests_;
+    bits::MixedLengthNumbers<2> rests_;
     bits::MixedBits signs_;
 
     PointRole role_ = PointRole::kFirst;

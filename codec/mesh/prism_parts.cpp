@@ -158,9 +158,7 @@ void EdgeIndex::sort() {
 
 std::span<const EdgeIndex::Entry> EdgeIndex::find(Edge edge) const {
     const auto begin = std::lower_bound(entries_.begin(), entries_.end(), Entry{edge, 0});
-    auto end = begin;
-    while (end != entries_.end() && end->first == edge) ++end;
-    return {begin, end};
+    return {begin, std::upper_bound(begin, entries_.end(), Entry{edge, ~uint32_t{0}})};
 }
 
 std::vector<WallQuad> find_walls(const WeldedMesh& mesh) {
@@ -176,19 +174,18 @@ std::vector<WallQuad> find_walls(const WeldedMesh& mesh) {
             upper.add(half.first ? Edge{half.c, half.b} : Edge{half.a, half.c}, t);
     }
     upper.sort();
-    std::vector<bool> used(mesh.triangles.size());
+    std::vector<uint32_t> used(upper.all().size());  // of each diagonal's halves, at its first
     std::vector<WallQuad> walls;
     for (const uint32_t t : lower) {
         const WallHalf& half = halves[t];
-        const Edge diagonal = half.first ? Edge{half.b, half.c} : Edge{half.c, half.a};
-        for (const auto& [edge, other] : upper.find(diagonal)) {
-            if (used[other]) continue;
-            used[other] = true;
-            const WallHalf& top = halves[other];
-            walls.push_back(
-                {half.a, half.b, top.a, top.b, {t, other}, half.first ? WallKind::kFalling : WallKind::kRising});
-            break;
-        }
+        const auto others = upper.find(half.first ? Edge{half.b, half.c} : Edge{half.c, half.a});
+        if (others.empty()) continue;
+        uint32_t& next = used[static_cast<size_t>(others.data() - upper.all().data())];
+        if (next == others.size()) continue;
+        const uint32_t other = others[next++].second;
+        const WallHalf& top = halves[other];
+        walls.push_back(
+            {half.a, half.b, top.a, top.b, {t, other}, half.first ? WallKind::kFalling : WallKind::kRising});
     }
     return walls;
 }

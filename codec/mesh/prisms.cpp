@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <span>
 
 #include "codec/mesh/prism_parts.h"
 #include "codec/mesh/ring_triangles.h"
@@ -26,22 +27,16 @@ Area ring_area(const WeldedMesh& mesh, const PointRing& ring) {
     return area;
 }
 
-/// How far to turn `other`, read backwards, to get `ring`; nothing when they differ.
-std::optional<size_t> turned_round(const WeldedMesh& mesh, const PointRing& ring, const PointRing& other) {
-    const size_t n = ring.size();
-    if (other.size() != n) return std::nullopt;
-    for (size_t last = 0; last < n; ++last) {
-        size_t i = 0;
-        while (i < n && mesh.same_place(ring[i], other[(last + n - i) % n])) ++i;
-        if (i == n) return last;
-    }
-    return std::nullopt;
-}
+/// What the search may look at for each triangle, and beside: cities need a hundredth of it.
+constexpr uint64_t kMostLooks = 256, kLooksBeside = 1u << 16;
 
 class PrismFinder {
   public:
     explicit PrismFinder(const GridMesh& mesh)
-        : mesh_(mesh), walls_(find_walls(mesh_)), parts_(find_level_parts(mesh_, walls_)) {
+        : mesh_(mesh),
+          walls_(find_walls(mesh_)),
+          parts_(find_level_parts(mesh_, walls_)),
+          looks_left_(static_cast<int64_t>(kMostLooks * mesh.triangles.size() + kLooksBeside)) {
         for (uint32_t w = 0; w < walls_.size(); ++w) walls_by_top_.add({walls_[w].p1, walls_[w].q1}, w);
         for (uint32_t part = 0; part < parts_.size(); ++part) {
             for (const PointRing& ring : parts_[part].rings)
@@ -57,7 +52,7 @@ class PrismFinder {
 
     PrismSplit split() {
         PrismSplit split;
-        for (uint32_t part = 0; part < parts_.size(); ++part) {
+        for (uint32_t part = 0; part < parts_.size() && looks_left_ > 0; ++part) {
             if (!part_used_[part]) try_top(part, split.prisms);
         }
         keep_remainder(split.remainder);
@@ -121,10 +116,16 @@ class PrismFinder {
             for (size_t i = 0; i < ring.size(); ++i) visit(ring[i], ring[(i + 1) % ring.size()]);
     }
 
+    std::span<const EdgeIndex::Entry> look_up(const EdgeIndex& index, Edge edge) {
+        const auto found = index.find(edge);
+        looks_left_ -= static_cast<int64_t>(found.size());
+        return looks_left_ > 0 ? found : std::span<const EdgeIndex::Entry>();
+    }
+
     /// A wall under a border edge, if there is one from the base that one.
-    uint32_t free_wall(uint32_t p, uint32_t q, int32_t base) const {
+    uint32_t free_wall(uint32_t p, uint32_t q, int32_t base) {
         uint32_t other = kNone;
-        for (const auto& [edge, wall] : walls_by_top_.find({p, q})) {
+        for (const auto& [edge, wall] : look_up(walls_by_top_, {p, q})) {
             if (wall_used_[wall]) continue;
             if (mesh_.height(walls_[wall].p0) == base) return wall;
             if (other == kNone) other = wall;
@@ -133,13 +134,13 @@ class PrismFinder {
     }
 
     /// The base of most walls under the part's border, if at least half of its edges have any.
-    std::optional<int32_t> common_base(const LevelPart& part) const {
+    std::optional<int32_t> common_base(const LevelPart& part) {
         std::map<int32_t, size_t> votes;
         size_t edges = 0, covered = 0;
         for_each_edge(part, [&](uint32_t p, uint32_t q) {
             ++edges;
             bool any = false;
-            for (const auto& entry : walls_by_top_.find({p, q})) {
+            for (const auto& entry : look_up(walls_by_top_, {p, q})) {
                 if (wall_used_[entry.second]) continue;
                 any = true;
                 ++votes[mesh_.height(walls_[entry.second].p0)];
@@ -175,7 +176,7 @@ class PrismFinder {
         const uint32_t p = mesh_.at_height(top.rings[0][0], prism.base);
         const uint32_t q = mesh_.at_height(top.rings[0][1], prism.base);
         if (p == kNone || q == kNone) return;
-        for (const auto& [edge, number] : parts_by_border_.find({q, p})) {
+        for (const auto& [edge, number] : look_up(parts_by_border_, {q, p})) {
             if (part_used_[number]) continue;
             const LevelPart& floor = parts_[number];
             std::vector<uint32_t> top_point;
@@ -191,8 +192,22 @@ class PrismFinder {
         }
     }
 
+    /// How far to turn `other`, read backwards, to get `ring`; nothing when they differ.
+    std::optional<size_t> turned_round(const PointRing& ring, const PointRing& other) {
+        const size_t n = ring.size();
+        --looks_left_;
+        if (other.size() != n) return std::nullopt;
+        for (size_t last = 0; last < n && looks_left_ > 0; ++last) {
+            size_t i = 0;
+            while (i < n && mesh_.same_place(ring[i], other[(last + n - i) % n])) ++i;
+            if (i == n) return last;
+            looks_left_ -= static_cast<int64_t>(i) + 1;
+        }
+        return std::nullopt;
+    }
+
     /// The number of the top's ring point for each of the floor's.
-    bool match_rings(const LevelPart& top, const LevelPart& floor, std::vector<uint32_t>& top_point) const {
+    bool match_rings(const LevelPart& top, const LevelPart& floor, std::vector<uint32_t>& top_point) {
         if (top.rings.size() != floor.rings.size()) return false;
         std::vector<bool> matched(top.rings.size());
         for (const PointRing& ring : floor.rings) {
@@ -200,7 +215,7 @@ class PrismFinder {
             bool found = false;
             for (size_t r = 0; r < top.rings.size() && !found; ++r) {
                 const size_t n = ring.size();
-                const auto last = matched[r] ? std::nullopt : turned_round(mesh_, top.rings[r], ring);
+                const auto last = matched[r] ? std::nullopt : turned_round(top.rings[r], ring);
                 if (last) {
                     for (size_t i = 0; i < n; ++i)
                         top_point.push_back(first + static_cast<uint32_t>((*last + n - i) % n));
@@ -234,6 +249,7 @@ class PrismFinder {
     const std::vector<LevelPart> parts_;
     EdgeIndex walls_by_top_, parts_by_border_;
     std::vector<bool> wall_used_, part_used_, taken_;
+    int64_t looks_left_;
 };
 
 using GridPlace = std::array<int32_t, 2>;

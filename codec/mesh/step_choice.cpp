@@ -8,9 +8,9 @@ namespace citystream::codec::mesh {
 namespace {
 
 size_t cost_of(const MeshWire& wire) {
-    size_t bytes = wire.steps[0].size();
-    for (const auto& step : wire.steps) bytes += step.size();
-    return bytes;
+    size_t whole = 0;
+    for (const auto& step : wire.steps) whole += step.size();
+    return wire.steps[0].size() + kWholeToFirst * whole;
 }
 
 }  // namespace

@@ -147,8 +147,12 @@ bool SurfaceWalk::code_known(Coder& coder, const GridPoint& place, std::span<con
     rank = ranks_.code(coder, rank);
     if constexpr (Coder::kDecodes) {
         if (rank >= found_.size()) return false;
-        std::nth_element(found_.begin(), found_.begin() + rank, found_.end());
-        index = found_[rank].second;
+        const auto place_of_rank = found_.begin() + rank;
+        if (rank == 0)  // mostly, and found in one pass
+            std::iter_swap(place_of_rank, std::min_element(found_.begin(), found_.end()));
+        else
+            std::nth_element(found_.begin(), place_of_rank, found_.end());
+        index = place_of_rank->second;
     }
     return true;
 }

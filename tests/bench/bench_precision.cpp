@@ -14,6 +14,7 @@
 #include "tests/bench/bench_program.h"
 #include "tests/bench/mesh_files.h"
 #include "tests/bench/precision_models.h"
+#include "tests/bench/thesis_precision.h"
 #include "tests/client/render/creased_model.h"
 #include "tests/client/render/precision_picture.h"
 
@@ -32,14 +33,20 @@ constexpr const char* kClaim =
     "path: a rotation that fills the screen and a dolly; bytes a vertex that the first frame needs, then planes, "
     "against "
     "fixed 16 bits.\n"
-    "picture: PSNR to full precision, 480 x 480 pixels of 16 samples, Blinn-Phong. planes: bits a vertex after zstd "
-    "-19, "
-    "each plane on its own.\n"
+    "picture: PSNR to full precision, 1080 x 1080 pixels of 16 samples, Blinn-Phong; AP and CAP as they read missing "
+    "bits;\n"
+    "bytes: of positions, percent of floats. Of CAP_thirds edge_error_percent, the share of its squared error in "
+    "pixels\n"
+    "next to an edge of the picture (9 pixels that span 16 of 255), and inside_db, PSNR of the others; moved_db: full\n"
+    "precision seen from so far aside that the model's middle moves by half of the allowed pixels. planes: bits a "
+    "vertex\n"
+    "after zstd -19, each plane on its own.\n"
     "detail: bytes of positions against fixed 16 bits of precision alone, of clustering vertices in cells of the "
     "allowed "
     "error alone, of both.\n"
     "depth: what keeping objects from running into each other asks for. change: all parts a level up, nanoseconds a "
-    "vertex.";
+    "vertex.\n"
+    "thesis memory, thesis picture: its own figures.";
 constexpr int kModelBits = 20;
 constexpr uint32_t kCommonDropped = 16;
 constexpr double kViewPixels = 1080, kFov = 60 * M_PI / 180;
@@ -112,13 +119,15 @@ Variant pack_model(const PrecisionModel& model, Constraint constraint, Reconstru
     return variant;
 }
 
-/// A camera at `distance` extents of the model from its centre, seen under an angle.
-Camera camera_at(const PrecisionModel& model, double distance, double angle, uint32_t pixels) {
+/// A camera at `distance` extents of the model from its centre, seen under an angle, which stands so many pixels of its
+/// picture of the centre to the right.
+Camera camera_at(const PrecisionModel& model, double distance, double angle, uint32_t pixels, double aside = 0) {
     const std::array<double, 3> away = {std::sin(angle) * 0.8, -std::cos(angle) * 0.8, 0.6};
     client::CameraSample sample;
     const double metres = model.extent * distance / 1024;
-    sample.x = model.centre[0] / 1024 + away[0] * metres;
-    sample.y = model.centre[1] / 1024 + away[1] * metres;
+    const double right = aside * metres * 2 * std::tan(kFov / 2) / pixels;
+    sample.x = model.centre[0] / 1024 + away[0] * metres + right * std::cos(angle);
+    sample.y = model.centre[1] / 1024 + away[1] * metres + right * std::sin(angle);
     sample.z = model.centre[2] / 1024 + away[2] * metres;
     sample.yaw = -angle * 180 / M_PI;
     sample.pitch = -std::asin(0.6) * 180 / M_PI;
@@ -347,9 +356,48 @@ std::vector<uint8_t> picture_of(client::test::PrecisionPicture& picture, const V
     return picture.draw(camera, draws, 30);
 }
 
+/// Pixels of a grey picture, of `side` x `side`, whose neighbours differ much.
+std::vector<bool> edge_pixels(std::span<const uint8_t> rgba, uint32_t side) {
+    constexpr int kSpan = 16;
+    std::vector<bool> edge(size_t{side} * side);
+    const auto grey = [&](uint32_t x, uint32_t y) { return rgba[4 * (size_t{y} * side + x)]; };
+    for (uint32_t y = 0; y < side; ++y) {
+        for (uint32_t x = 0; x < side; ++x) {
+            int low = 255, high = 0;
+            for (uint32_t v = y - std::min(y, 1u); v <= std::min(y + 1, side - 1); ++v) {
+                for (uint32_t u = x - std::min(x, 1u); u <= std::min(x + 1, side - 1); ++u) {
+                    low = std::min<int>(low, grey(u, v));
+                    high = std::max<int>(high, grey(u, v));
+                }
+            }
+            edge[size_t{y} * side + x] = high - low >= kSpan;
+        }
+    }
+    return edge;
+}
+
+/// Where a picture differs from the full one: at its edges, which positions alone decide, or inside what they bound.
+void add_edge_error(std::span<const uint8_t> shown, std::span<const uint8_t> full, uint32_t side, Json& line) {
+    const std::vector<bool> edge = edge_pixels(full, side);
+    std::vector<uint8_t> shown_inside, full_inside;
+    double at_edges = 0, all = 0;
+    for (size_t i = 0; i < edge.size(); ++i) {
+        const double difference = static_cast<double>(shown[4 * i]) - full[4 * i];
+        all += difference * difference;
+        if (edge[i]) {
+            at_edges += difference * difference;
+            continue;
+        }
+        shown_inside.insert(shown_inside.end(), &shown[4 * i], &shown[4 * i] + 4);
+        full_inside.insert(full_inside.end(), &full[4 * i], &full[4 * i] + 4);
+    }
+    line["edge_error_percent"] = rounded(all > 0 ? 100 * at_edges / all : 0);
+    line["inside_db"] = rounded(client::test::psnr(shown_inside, full_inside));
+}
+
 void picture_table(const client::Device& device, const PrecisionModel& model, const Variant& depth,
                    BenchProgram& program) {
-    constexpr uint32_t kPixels = 480;
+    constexpr uint32_t kPixels = 1080;
     client::test::PrecisionPicture picture(device, kPixels, kPixels, 4);
     constexpr Reconstruction kReadings[] = {Reconstruction::kLow, Reconstruction::kMiddle, Reconstruction::kThirds};
     std::vector<Variant> variants;
@@ -357,23 +405,30 @@ void picture_table(const client::Device& device, const PrecisionModel& model, co
         variants.push_back(pack_model(model, Constraint::kNone, reading));
         variants.push_back(pack_model(model, Constraint::kShading, reading));
     }
+    const size_t cap_thirds = variants.size() - 1;
     variants.push_back(depth);
     for (const double distance : {1.0, 2.0, 4.0}) {
         const Camera camera = camera_at(model, distance, 0.7, kPixels);
-        const auto full = picture_of(picture, variants[0], {~0u, kCommonDropped}, camera);
+        const DropRule all_bits{~0u, kCommonDropped};
+        const auto full = picture_of(picture, variants[0], all_bits, camera);
         for (const double pixels : {0.5, 0.25, 0.125}) {
-            // Of this picture, not of one of kViewPixels.
             const DropRule rule = rule_at(pixels * kViewPixels / kPixels);
-            Json line = {{"table", "picture"},
-                         {"file", model.name},
-                         {"distance_extents", distance},
-                         {"allowed_pixels", pixels},
-                         {"mean_level", rounded(levels_at(variants[0], rule, camera).mean)}};
+            Json line = {
+                {"table", "picture"},
+                {"file", model.name},
+                {"distance_extents", distance},
+                {"allowed_pixels", pixels},
+                {"mean_level", rounded(levels_at(variants[0], rule, camera).mean)},
+                {"ap_percent", percent_of_floats(levels_at(variants[0], rule, camera).bytes, model.vertices())},
+                {"cap_percent", percent_of_floats(levels_at(variants[1], rule, camera).bytes, model.vertices())}};
             for (size_t i = 0; i < variants.size(); ++i) {
                 const auto shown = picture_of(picture, variants[i], rule, camera);
                 line[variants[i].name + "_" + kReadingNames[static_cast<size_t>(variants[i].reading)] + "_db"] =
                     rounded(client::test::psnr(shown, full));
+                if (i == cap_thirds) add_edge_error(shown, full, kPixels, line);
             }
+            const Camera aside = camera_at(model, distance, 0.7, kPixels, pixels / 2);
+            line["moved_db"] = rounded(client::test::psnr(picture_of(picture, variants[0], all_bits, aside), full));
             program.print(line);
         }
     }
@@ -552,6 +607,23 @@ GridMesh creased_mesh() {
     return mesh;
 }
 
+void print_thesis(BenchProgram& program) {
+    for (const ThesisPrecision& row : kThesisPrecision) {
+        program.print({{"table", "thesis memory"},
+                       {"level", row.level},
+                       {"car_ap_cap_percent", row.car_percent},
+                       {"david_ap_cap_percent", row.david_percent},
+                       {"car_ap_cap_float_ms", row.car_milliseconds},
+                       {"david_ap_cap_float_ms", row.david_milliseconds}});
+    }
+    for (const ThesisPicture& picture : kThesisPictures) {
+        program.print({{"table", "thesis picture"},
+                       {"file", picture.model},
+                       {"AP_db", picture.adaptive_db},
+                       {"CAP_db", picture.constrained_db}});
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -559,6 +631,7 @@ int main(int argc, char** argv) {
     BenchOptions options;
     options.repetitions = 5;
     if (!program.read_arguments(argc, argv, options)) return program.exit_code();
+    print_thesis(program);
     client::Instance instance = client::create_instance(false);
     const auto physical = client::choose_device(instance, "", {});
     if (!program.check(physical.ok(), "a Vulkan device")) return program.exit_code();

@@ -3,7 +3,6 @@
 #include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/mesh.h>
-#include <meshoptimizer.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,8 @@
 #include "codec/mesh/mesh_layer.h"
 #include "codec/mesh/mesh_triangles.h"
 #include "codec/mesh/mesh_wire.h"
+#include "tests/bench/glb_mesh.h"
+#include "tests/bench/meshopt_arrays.h"
 #include "tests/codec/mesh/triangles_by_place.h"
 
 namespace citystream::bench {
@@ -84,12 +85,7 @@ CodedMesh encode_ours(const QuantisedMesh& source, uint32_t bits) {
     coded.bits = bits;
     const auto resident = static_cast<uint32_t>(4 * make_resident(wire.content).added_words(0));
     coded.parts.push_back({"layer", std::move(wire.steps[0]), resident});
-    const auto& parts = wire.bits;
-    coded.bits_of = {{"prisms", parts.prisms},
-                     {"positions", parts.positions},
-                     {"topology", parts.topology},
-                     {"attributes", parts.prism_colours + parts.attributes.normals + parts.attributes.dressed +
-                                        parts.attributes.charts + parts.attributes.texcoords}};
+    coded.bits_of = bits_by_part(wire.bits);
     return coded;
 }
 
@@ -164,103 +160,40 @@ bool decode_draco(const CodedMesh& coded, GridMesh& out) {
 
 // meshoptimizer: vertices and indices in the order that it compresses best, each in a zstd frame.
 
-/// Vertices must be a multiple of 4 bytes: 16-bit coordinates with one to spare, or 32-bit ones.
-template <typename Coordinate, size_t kCount>
-std::vector<std::array<Coordinate, kCount>> rows_of(const std::vector<GridPoint>& points) {
-    std::vector<std::array<Coordinate, kCount>> rows(points.size());
-    for (size_t v = 0; v < points.size(); ++v) {
-        for (size_t c = 0; c < 3; ++c) rows[v][c] = static_cast<Coordinate>(points[v][c]);
-    }
-    return rows;
-}
-
-template <typename Row>
-std::vector<unsigned char> encode_rows(const std::vector<Row>& rows, std::vector<uint32_t>& indices) {
-    std::vector<Row> fetched(rows.size());
-    const size_t used = meshopt_optimizeVertexFetch(fetched.data(), indices.data(), indices.size(), rows.data(),
-                                                    rows.size(), sizeof(Row));
-    std::vector<unsigned char> coded(meshopt_encodeVertexBufferBound(used, sizeof(Row)));
-    coded.resize(meshopt_encodeVertexBuffer(coded.data(), coded.size(), fetched.data(), used, sizeof(Row)));
-    return coded;
-}
+using ShortRow = std::array<uint16_t, 4>;  ///< rows must be a multiple of 4 bytes: one coordinate to spare
+using IntRow = std::array<uint32_t, 3>;
 
 CodedMesh encode_meshopt(const QuantisedMesh& source, uint32_t bits) {
-    const size_t count = source.mesh.points.size();
-    std::vector<uint32_t> given, indices;
-    for (const auto& t : source.mesh.triangles) given.insert(given.end(), t.begin(), t.end());
-    indices.resize(given.size());
-    meshopt_optimizeVertexCacheStrip(indices.data(), given.data(), given.size(), count);
-    const auto vertices = bits <= 16 ? encode_rows(rows_of<uint16_t, 4>(source.mesh.points), indices)
-                                     : encode_rows(rows_of<uint32_t, 3>(source.mesh.points), indices);
-    std::vector<unsigned char> coded(meshopt_encodeIndexBufferBound(indices.size(), count));
-    coded.resize(meshopt_encodeIndexBuffer(coded.data(), coded.size(), indices.data(), indices.size()));
+    const MeshoptArrays arrays =
+        bits <= 16 ? encode_meshopt_arrays<ShortRow>(source.mesh) : encode_meshopt_arrays<IntRow>(source.mesh);
     CodedMesh result;
-    result.parts = {frame_of("positions", vertices), frame_of("topology", coded)};
-    result.points = static_cast<uint32_t>(count);
-    result.indices = static_cast<uint32_t>(indices.size());
+    result.parts = {frame_of("positions", arrays.vertices), frame_of("topology", arrays.indices)};
+    result.points = static_cast<uint32_t>(arrays.vertex_count);
+    result.indices = static_cast<uint32_t>(arrays.index_count);
     result.bits = bits;
     return result;
 }
 
-template <typename Row>
-bool decode_rows(const std::vector<unsigned char>& coded, std::vector<GridPoint>& points) {
-    std::vector<Row> rows(points.size());
-    if (meshopt_decodeVertexBuffer(rows.data(), rows.size(), sizeof(Row), coded.data(), coded.size()) != 0)
-        return false;
-    for (size_t v = 0; v < rows.size(); ++v) {
-        for (size_t c = 0; c < 3; ++c) points[v][c] = static_cast<int32_t>(rows[v][c]);
-    }
-    return true;
-}
-
 bool decode_meshopt(const CodedMesh& coded, GridMesh& out) {
-    std::vector<unsigned char> vertices, topology;
-    if (!decode_array(coded.parts[0], vertices) || !decode_array(coded.parts[1], topology)) return false;
-    out.points.resize(coded.points);
-    out.triangles.resize(coded.indices / 3);
-    const bool right = coded.bits <= 16 ? decode_rows<std::array<uint16_t, 4>>(vertices, out.points)
-                                        : decode_rows<std::array<uint32_t, 3>>(vertices, out.points);
-    return right && meshopt_decodeIndexBuffer(out.triangles.data(), coded.indices, sizeof(uint32_t), topology.data(),
-                                              topology.size()) == 0;
+    std::vector<unsigned char> vertices, indices;
+    if (!decode_array(coded.parts[0], vertices) || !decode_array(coded.parts[1], indices)) return false;
+    return coded.bits <= 16 ? decode_meshopt_arrays<ShortRow>(vertices, coded.points, indices, coded.indices, out)
+                            : decode_meshopt_arrays<IntRow>(vertices, coded.points, indices, coded.indices, out);
 }
 
-// Plain arrays, as a .glb has them.
+// glTF: a whole .glb in a zstd frame.
 
-CodedMesh encode_raw(const QuantisedMesh& source, uint32_t bits) {
-    std::vector<std::array<float, 3>> places;
-    for (const GridPoint& p : source.mesh.points) {
-        std::array<float, 3> place{};
-        for (size_t c = 0; c < 3; ++c) place[c] = static_cast<float>(p[c] * source.step);
-        places.push_back(place);
-    }
+CodedMesh encode_glb(const QuantisedMesh& source, uint32_t bits, GlbForm form) {
     CodedMesh coded;
     coded.bits = bits;
     coded.step = source.step;
-    coded.parts.push_back(frame_of("positions", places));
-    if (places.size() <= 65536) {
-        std::vector<std::array<uint16_t, 3>> shorts;
-        for (const auto& t : source.mesh.triangles)
-            shorts.push_back({static_cast<uint16_t>(t[0]), static_cast<uint16_t>(t[1]), static_cast<uint16_t>(t[2])});
-        coded.parts.push_back(frame_of("topology", shorts));
-    } else {
-        coded.parts.push_back(frame_of("topology", source.mesh.triangles));
-    }
+    coded.parts.push_back(frame_of("file", write_glb(source.mesh, source.step, bits, form)));
     return coded;
 }
 
-bool decode_raw(const CodedMesh& coded, GridMesh& out) {
-    std::vector<std::array<float, 3>> places;
-    if (!decode_array(coded.parts[0], places)) return false;
-    for (const auto& place : places) {
-        GridPoint point{};
-        for (size_t c = 0; c < 3; ++c) point[c] = static_cast<int32_t>(std::lround(place[c] / coded.step));
-        out.points.push_back(point);
-    }
-    if (places.size() > 65536) return decode_array(coded.parts[1], out.triangles);
-    std::vector<std::array<uint16_t, 3>> shorts;
-    if (!decode_array(coded.parts[1], shorts)) return false;
-    for (const auto& t : shorts) out.triangles.push_back({t[0], t[1], t[2]});
-    return true;
+bool decode_glb(const CodedMesh& coded, GridMesh& out) {
+    std::vector<std::byte> file;
+    return decode_array(coded.parts[0], file) && read_glb(file, coded.step, out);
 }
 
 }  // namespace
@@ -271,6 +204,15 @@ uint64_t CodedMesh::wire_bytes() const {
     return sum;
 }
 
+PartBits bits_by_part(const codec::mesh::MeshWireBits& bits) {
+    const codec::mesh::AttributeBits& attributes = bits.attributes;
+    return {{"prisms", bits.prisms},
+            {"positions", bits.positions + bits.refinement + bits.most_dropped},
+            {"topology", bits.topology},
+            {"normals", attributes.normals},
+            {"attributes", bits.prism_colours + attributes.dressed + attributes.charts + attributes.texcoords}};
+}
+
 std::vector<MeshCodec> mesh_codecs() {
     const auto layer_bytes = [](const CodedMesh& coded, const GridMesh&) -> uint64_t {
         return coded.parts[0].decoded_bytes;
@@ -278,11 +220,15 @@ std::vector<MeshCodec> mesh_codecs() {
     const auto plain_bytes = [](const CodedMesh& coded, const GridMesh& mesh) {
         return bench::plain_bytes(mesh, coded.bits);
     };
+    const auto glb_of = [](GlbForm form) {
+        return [form](const QuantisedMesh& source, uint32_t bits) { return encode_glb(source, bits, form); };
+    };
     const auto raw_bytes = [](const CodedMesh&, const GridMesh& mesh) { return bench::plain_bytes(mesh, 32); };
     return {{"default", encode_ours, decode_ours, layer_bytes},
             {"draco", encode_draco, decode_draco, plain_bytes},
             {"meshopt", encode_meshopt, decode_meshopt, plain_bytes},
-            {"raw", encode_raw, decode_raw, raw_bytes}};
+            {"glb-meshopt", glb_of(GlbForm::kMeshopt), decode_glb, plain_bytes},
+            {"glb", glb_of(GlbForm::kFloats), decode_glb, raw_bytes}};
 }
 
 bool same_triangles(const GridMesh& a, const GridMesh& b) {

@@ -1,4 +1,4 @@
-// The codecs that bench_mesh compares on whole files: ours, Draco, meshoptimizer and plain arrays, all given the same
+// The codecs that bench_mesh compares on whole files: ours, Draco, meshoptimizer and glTF files, all given the same
 // welded triangles on the same grid.
 #pragma once
 
@@ -8,9 +8,17 @@
 #include <utility>
 #include <vector>
 
+#include "codec/mesh/mesh_wire.h"
 #include "tests/bench/mesh_files.h"
 
 namespace citystream::bench {
+
+/// What is known of where bits go: parts by name.
+using PartBits = std::vector<std::pair<std::string, double>>;
+
+/// Of our layer: prisms, positions, topology (both of what is no prism, those of all steps), normals, attributes
+/// (colours, charts, texture coordinates, which triangles are dressed).
+PartBits bits_by_part(const codec::mesh::MeshWireBits& bits);
 
 /// A coded mesh: one byte string for each thing that travels on its own.
 struct CodedMesh {
@@ -21,8 +29,8 @@ struct CodedMesh {
     };
     std::vector<Part> parts;
     uint32_t points = 0, indices = 0, bits = 0;
-    double step = 1;                                        ///< of the grid
-    std::vector<std::pair<std::string, double>> bits_of{};  ///< what is known of where the bits go
+    double step = 1;  ///< of the grid
+    PartBits bits_of{};
     uint64_t wire_bytes() const;
 };
 
@@ -34,7 +42,7 @@ struct MeshCodec {
     std::function<uint64_t(const CodedMesh&, const codec::mesh::GridMesh&)> resident_bytes;
 };
 
-/// default, draco, meshopt, raw.
+/// default, draco, meshopt, glb-meshopt, glb.
 std::vector<MeshCodec> mesh_codecs();
 
 /// Equal as multisets of oriented triangles with their positions.

@@ -14,6 +14,7 @@
 #include "codec/bits/zstd_frame.h"
 #include "codec/mesh/mesh_triangles.h"
 #include "codec/mesh/octahedral.h"
+#include "codec/mesh/step_choice.h"
 
 namespace citystream::bench {
 
@@ -65,12 +66,12 @@ void add_frame(Wire& wire, std::span<const std::byte> bytes) {
 Wire encode_ours(const PeerMesh& mesh) {
     Wire wire;
     wire.charts = mesh.charts;
-    codec::mesh::MeshLayerOptions options;
-    options.choose_steps = true;
-    for (auto& step : codec::mesh::encode_mesh_layer(mesh.tile, options)) {
-        wire.parts.push_back(std::move(step.wire));
-        wire.decoded_bytes.push_back(step.decoded_bytes);
-    }
+    codec::mesh::MeshWire layer = encode_best_steps(mesh.tile, {});
+    wire.parts = std::move(layer.steps);
+    const codec::mesh::ResidentMesh resident = make_resident(layer.content);
+    for (uint32_t s = 0; s < wire.parts.size(); ++s)
+        wire.decoded_bytes.push_back(static_cast<uint32_t>(4 * resident.added_words(s)));
+    wire.bits_of = bits_by_part(layer.bits);
     return wire;
 }
 
@@ -283,41 +284,43 @@ Corner corner_from(const std::array<uint32_t, 3>& position, uint32_t chart) {
 PeerMesh make_peer_mesh(const MeshTile& tile) {
     PeerMesh mesh;
     mesh.tile = without_flat_triangles(tile);
-    mesh.indices = mesh.tile.indices;
     const auto low = minimum_corner(mesh.tile);
-    std::vector<uint32_t> chart_of(mesh.tile.vertices.size());
     std::map<uint32_t, ChartSpan> spans;
-    for (size_t corner = 0; corner < mesh.indices.size(); ++corner) {
-        const uint32_t chart = mesh.tile.triangle_chart[corner / 3], index = mesh.indices[corner];
-        chart_of[index] = chart;
+    for (size_t corner = 0; corner < mesh.tile.indices.size(); ++corner) {
+        const uint32_t chart = mesh.tile.triangle_chart[corner / 3];
+        const auto& from = mesh.tile.vertices[mesh.tile.indices[corner]];
         mesh.charts = std::max(mesh.charts, chart + 1);
         ChartSpan& span = spans[chart];
         for (size_t c = 0; c < 2; ++c) {
-            span.low[c] = std::min(span.low[c], mesh.tile.vertices[index].texcoord[c]);
-            span.high[c] = std::max(span.high[c], mesh.tile.vertices[index].texcoord[c]);
+            span.low[c] = std::min(span.low[c], from.texcoord[c]);
+            span.high[c] = std::max(span.high[c], from.texcoord[c]);
         }
     }
     for (const auto& [chart, span] : spans) mesh.chart_names.push_back(chart);
     const auto number_of = [&names = mesh.chart_names](uint32_t chart) {
         return static_cast<uint16_t>(std::lower_bound(names.begin(), names.end(), chart) - names.begin());
     };
-    for (size_t v = 0; v < mesh.tile.vertices.size(); ++v) {
-        const auto& from = mesh.tile.vertices[v];
+    std::map<PeerVertex, uint32_t> numbers;
+    for (size_t corner = 0; corner < mesh.tile.indices.size(); ++corner) {
+        const uint32_t chart = mesh.tile.triangle_chart[corner / 3];
+        const auto& from = mesh.tile.vertices[mesh.tile.indices[corner]];
         PeerVertex vertex{};
         RawVertex raw{};
-        vertex.chart = number_of(chart_of[v]);
-        raw.chart = chart_of[v];
+        vertex.chart = number_of(chart);
+        raw.chart = chart;
         vertex.normal = static_cast<uint16_t>(codec::mesh::pack_octahedral16(from.normal));
         for (size_t c = 0; c < 3; ++c) {
             vertex.position[c] = static_cast<uint32_t>(from.position[c] - low[c]);
             raw.position[c] = static_cast<float>(vertex.position[c]) / 1024;
             raw.normal[c] = from.normal[c];
         }
-        const ChartSpan& span = spans[chart_of[v]];
         for (size_t c = 0; c < 2; ++c) {
-            if (span.low[c] <= from.texcoord[c]) vertex.texcoord[c] = span.code(c, from.texcoord[c]);
+            vertex.texcoord[c] = spans[chart].code(c, from.texcoord[c]);
             raw.texcoord[c] = static_cast<float>(from.texcoord[c]) / 65536;
         }
+        const auto [at, added] = numbers.try_emplace(vertex, static_cast<uint32_t>(mesh.vertices.size()));
+        mesh.indices.push_back(at->second);
+        if (!added) continue;
         mesh.vertices.push_back(vertex);
         mesh.raw.push_back(raw);
     }
@@ -337,11 +340,11 @@ uint64_t Resident::bytes() const {
 }
 
 std::vector<Representation> mesh_representations() {
-    return {{"citystream mesh layer", encode_ours, decode_ours},
-            {"Draco 1.5.5 -cl 10", encode_draco, decode_draco},
-            {"meshoptimizer 0.18 + zstd -19", encode_meshoptimizer, decode_meshoptimizer},
-            {"packed 20-byte vertices + zstd -19", encode_packed, decode_packed},
-            {"raw float32 indexed + zstd -19", encode_raw, decode_raw}};
+    return {{"default", encode_ours, decode_ours},
+            {"draco", encode_draco, decode_draco},
+            {"meshopt", encode_meshoptimizer, decode_meshoptimizer},
+            {"packed", encode_packed, decode_packed},
+            {"raw", encode_raw, decode_raw}};
 }
 
 Triangles triangles_of(const PeerMesh& mesh) {

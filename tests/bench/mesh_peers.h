@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "codec/mesh/mesh_layer.h"
+#include "tests/bench/mesh_codecs.h"
 
 namespace citystream::bench {
 
@@ -20,6 +22,7 @@ struct PeerVertex {
     std::array<uint16_t, 2> texcoord;  ///< code within the chart's span
     uint16_t normal;                   ///< octahedral, 8 + 8 bits
     uint16_t chart;                    ///< in PeerMesh::chart_names
+    friend auto operator<=>(const PeerVertex&, const PeerVertex&) = default;
 };
 static_assert(sizeof(PeerVertex) == 20);
 
@@ -31,7 +34,8 @@ struct RawVertex {
 };
 static_assert(sizeof(RawVertex) == 36);
 
-/// One tile, ready for every representation. Without triangles of no area, which Draco leaves out.
+/// One tile, ready for every representation. Without triangles of no area, which Draco leaves out; corners that are
+/// the same to a PeerVertex are one vertex.
 struct PeerMesh {
     codec::mesh::MeshTile tile;
     std::vector<PeerVertex> vertices;
@@ -47,6 +51,7 @@ struct Wire {
     std::vector<std::vector<std::byte>> parts;
     std::vector<uint32_t> decoded_bytes;
     uint32_t vertices = 0, indices = 0, charts = 0;
+    PartBits bits_of{};
     uint64_t bytes() const;
 };
 
@@ -71,7 +76,7 @@ struct Representation {
     std::function<bool(const Wire&, Resident&)> decode;  ///< false: the bytes were refused
 };
 
-/// Ours first, raw last.
+/// default, draco, meshopt, packed (the 20-byte vertices), raw (the 36-byte ones), these three in zstd frames.
 std::vector<Representation> mesh_representations();
 
 Triangles triangles_of(const PeerMesh& mesh);

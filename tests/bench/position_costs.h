@@ -12,7 +12,22 @@
 
 namespace citystream::bench {
 
-/// The mesh of one tile. Bytes are of positions alone: those of points in the first step, and all of further steps.
+/// Most steps of a layer: as many as the builder finds to pay, or so many wherever there can be.
+enum class StepChoice : uint8_t { kBest, kOne, kTwo, kThree };
+inline constexpr std::array<StepChoice, 4> kStepChoices = {StepChoice::kBest, StepChoice::kOne, StepChoice::kTwo,
+                                                           StepChoice::kThree};
+
+/// A layer in steps. Bytes of positions are those of points in the first step, and all of further steps.
+struct PositionSteps {
+    std::vector<uint32_t> dropped;  ///< bits, by step
+    std::vector<double> bytes;      ///< of positions, up to the end of each step
+    double other = 0;               ///< bytes of everything else
+
+    /// The first that drops no more than `granted` bits, else the last.
+    size_t step_for(uint32_t granted) const;
+};
+
+/// The mesh of one tile.
 class PositionCosts {
   public:
     /// Decodes the tile's mesh layer. `record` outlives the object.
@@ -22,23 +37,17 @@ class PositionCosts {
     const codec::mesh::MeshTile& mesh() const { return mesh_; }
     /// Of a coordinate with nothing dropped.
     uint32_t full_bits() const { return full_bits_; }
-    /// Bits that each step drops, and bytes up to its end.
-    const std::vector<uint32_t>& dropped() const { return dropped_; }
-    const std::vector<double>& step_bytes() const { return step_bytes_; }
-    /// Bytes of everything else, which is the same whatever positions drop.
-    double other_bytes() const { return other_bytes_; }
+    const PositionSteps& steps(StepChoice choice) const { return steps_[static_cast<size_t>(choice)]; }
     /// In one step that drops `dropped` bits; no fewer than the geometry is worth. Encodes when asked for the first
     /// time.
     double fixed_bytes(uint32_t dropped);
-    uint32_t finest_dropped() const { return dropped_.back(); }
+    uint32_t finest_dropped() const { return steps(StepChoice::kOne).dropped.back(); }
 
   private:
     const tiles::tileset::TileRecord* record_ = nullptr;
     codec::mesh::MeshTile mesh_;
     uint32_t full_bits_ = 0;
-    std::vector<uint32_t> dropped_;
-    std::vector<double> step_bytes_;
-    double other_bytes_ = 0;
+    std::array<PositionSteps, kStepChoices.size()> steps_;
     std::map<uint32_t, double> fixed_;
 };
 

@@ -70,7 +70,7 @@ Fix fix_at(const std::vector<Fix>& fixes, double t) {
 
 }  // namespace
 
-Result<Tour> recorded_track(const SampleCity& city, const std::string& file, int cameras) {
+Result<Tour> recorded_track(const SampleCity& city, const CityHeights& heights, const std::string& file, int cameras) {
     const auto fixes = read_fixes(file);
     if (!fixes) return fixes.error();
     Fix low = fixes->front(), high = low;
@@ -91,7 +91,7 @@ Result<Tour> recorded_track(const SampleCity& city, const std::string& file, int
         sample.t = i;
         sample.x = x + (fix.x - (low.x + high.x) / 2) / shrink;
         sample.y = y + (fix.y - (low.y + high.y) / 2) / shrink;
-        sample.z = extent.min[2] + kLowest + fix.z - low.z;
+        sample.z = kLowest + std::max(extent.min[2] + fix.z - low.z, heights.highest_at(sample.x, sample.y));
         sample.yaw = *fix.yaw;
         sample.pitch = fix.pitch.value_or(kLookDown);
         sample.fov = kFieldOfView;
@@ -100,11 +100,11 @@ Result<Tour> recorded_track(const SampleCity& city, const std::string& file, int
     return tour;
 }
 
-std::vector<Tour> tracks_of(const SampleCity& city, int cameras) {
+std::vector<Tour> tracks_of(const SampleCity& city, const CityHeights& heights, int cameras) {
     std::vector<Tour> tours;
     for (const char* name : {"MAVIC3.csv", "p4_rtk.csv", "sampleFlight.csv"}) {
-        auto track =
-            recorded_track(city, std::string(CITYSTREAM_SOURCE_DIR) + "/../shared/data/flight_paths/" + name, cameras);
+        auto track = recorded_track(
+            city, heights, std::string(CITYSTREAM_SOURCE_DIR) + "/../shared/data/flight_paths/" + name, cameras);
         if (!track) return tours_of(city, cameras);
         tours.push_back(std::move(*track));
     }

@@ -56,20 +56,25 @@ class GpuTwin : public DeviceTest {
     }
 
     // Runs a twin pass over `layer`; returns count * words_each words.
-    std::vector<uint32_t> run(std::span<const uint32_t> code, LayerId layer, TwinConstants constants,
+    std::vector<uint32_t> run(std::span<const uint32_t> code, LayerId layer, const TwinConstants& constants,
                               uint32_t words_each, std::span<const uint32_t> input = {}) {
+        const SlotLayer& slots = pool_.layers[layer];
+        if (is_contiguous(pool_, slots))
+            return run_at(code, slot_address(pool_, slots.slots[0]) | LAYER_REF_DIRECT, constants, words_each, input);
+        const Buffer pages = host_buffer(8 * slots.slots.size());
+        for (size_t i = 0; i < slots.slots.size(); ++i) {
+            const VkDeviceAddress address = slot_address(pool_, slots.slots[i]);
+            std::memcpy(static_cast<std::byte*>(pages.mapped) + 8 * i, &address, 8);
+        }
+        return run_at(code, pages.address, constants, words_each, input);
+    }
+
+    // The same with a layer's reference (draw_layout.h).
+    std::vector<uint32_t> run_at(std::span<const uint32_t> code, VkDeviceAddress reference, TwinConstants constants,
+                                 uint32_t words_each, std::span<const uint32_t> input) {
         const Buffer in = host_buffer(input.size_bytes());
         if (!input.empty()) std::memcpy(in.mapped, input.data(), input.size_bytes());
         const Buffer out = host_buffer(uint64_t{4} * constants.count * words_each);
-        const Buffer pages = host_buffer(8 * pool_.layers[layer].slots.size());
-        VkDeviceAddress reference = pages.address;
-        for (size_t i = 0; i < pool_.layers[layer].slots.size(); ++i) {
-            const VkDeviceAddress address = slot_address(pool_, pool_.layers[layer].slots[i]);
-            std::memcpy(static_cast<std::byte*>(pages.mapped) + 8 * i, &address, 8);
-        }
-        if (is_contiguous(pool_, pool_.layers[layer])) {
-            reference = slot_address(pool_, pool_.layers[layer].slots[0]) | LAYER_REF_DIRECT;
-        }
         std::memcpy(constants.layer, &reference, 8);
         std::memcpy(constants.input_words, &in.address, 8);
         std::memcpy(constants.output_words, &out.address, 8);

@@ -9,6 +9,7 @@
 #include "client/render/device_choice.h"
 #include "client/render/frame_constants.h"
 #include "client/render/graphics_pipeline.h"
+#include "client/render/mesh_draws.h"
 #include "client/render/pipelines.h"
 #include "client/render/twin_layout.h"
 #include "codec/mesh/mesh_resident.h"
@@ -53,7 +54,7 @@ class MeshPicture {
     /// RGBA8, rows from the top; magenta where nothing is drawn.
     std::span<const uint8_t> draw(const Camera& camera, std::span<const MeshDraw> draws) {
         size_t words = 4;
-        for (const MeshDraw& one : draws) words += (one.words.size() + 3) / 4 * 4;
+        for (const MeshDraw& one : draws) words += words_of(one);
         Buffer buffer = create_buffer(device_, 4 * words, BufferPlace::kUpload);
         submit_and_wait(device_, [&](VkCommandBuffer commands) {
             const float clear[4] = {1, 0, 1, 1};
@@ -62,9 +63,8 @@ class MeshPicture {
             vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pass_.handle);
             size_t used = 0;
             for (const MeshDraw& one : draws) {
-                std::memcpy(static_cast<std::byte*>(buffer.mapped) + used, one.words.data(), one.words.size_bytes());
-                record(commands, camera, one, buffer.address + used);
-                used += (one.words.size() + 3) / 4 * 16;
+                record(commands, camera, one, buffer, used);
+                used += 4 * words_of(one);
             }
             vkCmdEndRenderPass(commands);
             copy_colour(commands, target_, target_.readback);
@@ -76,19 +76,33 @@ class MeshPicture {
     }
 
   private:
-    void record(VkCommandBuffer commands, const Camera& camera, const MeshDraw& one, VkDeviceAddress address) {
+    /// A layer's, to a multiple of 16 bytes, and those of its ranges.
+    static size_t layer_words(const MeshDraw& one) { return (one.words.size() + 3) / 4 * 4; }
+    static size_t words_of(const MeshDraw& one) {
+        return layer_words(one) + (one.ranges.size() * MESH_DRAW_WORDS + 3) / 4 * 4;
+    }
+
+    /// From byte `begin` of the buffer on.
+    void record(VkCommandBuffer commands, const Camera& camera, const MeshDraw& one, const Buffer& buffer,
+                size_t begin) {
         const CameraCell cell = camera_cell(camera.position);
         TwinMeshViewConstants constants{};
         constants.frame = make_frame_constants(camera, cell);
-        const VkDeviceAddress mesh = address | LAYER_REF_DIRECT;
+        auto* const memory = static_cast<std::byte*>(buffer.mapped);
+        std::memcpy(memory + begin, one.words.data(), one.words.size_bytes());
+        const VkDeviceAddress mesh = (buffer.address + begin) | LAYER_REF_DIRECT;
         std::memcpy(constants.mesh, &mesh, sizeof mesh);
         for (size_t c = 0; c < 3; ++c) constants.from_camera[c] = static_cast<int>(one.corner[c] - cell.cell[c]);
         constants.distance_per_unit = one.rule.distance_per_unit;
         constants.least_dropped = one.least_dropped;
-        for (const codec::mesh::MeshRange& range : one.ranges) {
+        const std::vector<MeshDrawConstants> records = mesh_draw_constants(one.words);
+        const size_t records_at = begin + 4 * layer_words(one);
+        std::memcpy(memory + records_at, records.data(), records.size() * sizeof records[0]);
+        for (size_t range = 0; range < one.ranges.size(); ++range) {
+            const VkDeviceAddress record = buffer.address + records_at + range * sizeof records[0];
+            std::memcpy(constants.draw, &record, sizeof record);
             vkCmdPushConstants(commands, pass_.layout, VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof constants, &constants);
-            vkCmdDraw(commands, 3 * range.triangles, 1, 0, 0);
-            ++constants.range;
+            vkCmdDraw(commands, 3 * one.ranges[range].triangles, 1, 0, 0);
         }
     }
 

@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -97,6 +100,24 @@ TEST(Report, BytesOfPicturesAreInEveryFile) {
     EXPECT_NE(report_html(SweepOptions{}, result).find("<td>4.3</td>"), std::string::npos);
 }
 
+TEST(Report, WhatMeshesTakeAndHowFarTheyAreOffIsInEveryFile) {
+    SweepResult result = two_settings();
+    for (SettingResult& setting : result.settings) setting.total_mesh_bytes = 54321;
+    result.settings[0].frames[1].mesh_bytes = 876;
+    result.settings[0].frames[1].position_error_pixels = 0.1875;
+    for (FrameRow& row : result.settings[0].frames) row.position_bits = 13.5;
+    const auto json = nlohmann::json::parse(report_json(SweepOptions{}, result));
+    EXPECT_EQ(json["settings"][0]["mesh_bytes"], 54321);
+    EXPECT_DOUBLE_EQ(json["settings"][0]["position_error_pixels_most"], 0.1875);
+    EXPECT_DOUBLE_EQ(json["settings"][0]["position_bits_median"], 13.5);
+    EXPECT_NE(frames_csv(result).find(",876,"), std::string::npos);
+    EXPECT_NE(frames_csv(result).find(",0.1875,13.50,"), std::string::npos);
+    const std::string html = report_html(SweepOptions{}, result);
+    EXPECT_NE(html.find("<td>54.3</td>"), std::string::npos);
+    EXPECT_NE(html.find("<td>0.1875</td><td>13.5</td>"), std::string::npos);
+    EXPECT_NE(html.find("Error against bytes of meshes"), std::string::npos);
+}
+
 TEST(Setting, FileNamesHaveNeitherBlanksNorColons) {
     EXPECT_EQ((Setting{"saliency", 0, "ssim:0.99", {}}).file_prefix(), "saliency_ssim_0.99");
     EXPECT_EQ((Setting{"archive", 0, "merged 2mm", {}}).file_prefix(), "archive_merged_2mm");
@@ -143,6 +164,22 @@ TEST(SvgPlot, PutsPointsInsideTheAxesAndLeavesOutWhatALogarithmCannotShow) {
     EXPECT_EQ(svg.find("left out"), std::string::npos);
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_NE(plot_svg({"t", "x", "y", false}, {}).find("no points"), std::string::npos);
+}
+
+TEST(SvgPlot, NamesOfManyLinesStandInsideThePlotAndHaveColoursOfTheirOwn) {
+    std::vector<PlotSeries> series;
+    std::set<std::string> colours;
+    for (int i = 0; i < 10; ++i) series.push_back({"mesh-transport-" + std::to_string(i), {{1.0 + i, 1, "a"}}});
+    const std::string svg = plot_svg({"t", "x", "y", false}, series);
+    for (const PlotSeries& one : series) {
+        const size_t end = svg.find(">" + one.name + "<"), begin = svg.rfind("<text", end);
+        ASSERT_NE(end, std::string::npos);
+        const std::string text = svg.substr(begin, end - begin);
+        EXPECT_LT(std::stod(text.substr(text.find("x='") + 3)) + 6.5 * static_cast<double>(one.name.size()), 640);
+        EXPECT_GT(std::stod(text.substr(text.find("y='") + 3)), 22) << "on the title";
+        colours.insert(text.substr(text.find("fill='")));
+    }
+    EXPECT_EQ(colours.size(), series.size());
 }
 
 TEST(SvgPlot, OnePointIsNoDivisionByZero) {

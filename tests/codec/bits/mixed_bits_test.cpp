@@ -68,18 +68,38 @@ TEST(MixedBits, TakesAContextPastItsCountAsTheLast) {
     EXPECT_EQ(bits.code(encoder, 0, 1), 1u);
 }
 
-TEST(MixedNumbers, ReadsEveryLengthOfNumberAgain) {
+TEST(MixedBits, IsAsItWasMadeForContextsThatWereNotMet) {
+    // Of two that have the same bits in the same context, one has met a thousand other contexts before.
+    RangeEncoder few, many;
+    MixedBits fresh({1000}, 2), worn({1000}, 2, 2);
+    for (uint32_t value = 1; value < 1000; ++value) {
+        worn.set_contexts({value}, 1);
+        worn.code(many, value % 2, 1);
+    }
+    const double before = many.cost();
+    fresh.set_contexts({0});
+    worn.set_contexts({0});
+    for (uint32_t i = 0; i < 50; ++i) {
+        fresh.code(few, i % 2, i % 3 == 0 ? 1 : 0);
+        worn.code(many, i % 2, i % 3 == 0 ? 1 : 0);
+    }
+    const double start = RangeEncoder().cost();
+    EXPECT_NEAR(many.cost() - before, few.cost() - start, 0.01);
+}
+
+template <typename Numbers>
+void expect_every_length_again() {
     std::vector<uint32_t> numbers = {0, 1, 2, 0xfffffffe, 0xffffffff};
     for (uint32_t bit = 0; bit < 32; ++bit) numbers.insert(numbers.end(), {1u << bit, (1u << bit) - 1, 3u << bit});
     RangeEncoder encoder;
-    MixedNumbers writer({3});
+    Numbers writer({3});
     for (size_t i = 0; i < numbers.size(); ++i) {
         writer.set_contexts({static_cast<uint32_t>(i % 3)});
         writer.code(encoder, numbers[i]);
     }
     const auto bytes = encoder.finish();
     RangeDecoder decoder(bytes);
-    MixedNumbers reader({3});
+    Numbers reader({3});
     for (size_t i = 0; i < numbers.size(); ++i) {
         reader.set_contexts({static_cast<uint32_t>(i % 3)});
         ASSERT_EQ(reader.code(decoder), numbers[i]);
@@ -87,12 +107,25 @@ TEST(MixedNumbers, ReadsEveryLengthOfNumberAgain) {
     EXPECT_TRUE(decoder.finish().ok());
 }
 
-TEST(MixedNumbers, EndsOnBytesThatRunOut) {
+TEST(MixedNumbers, ReadsEveryLengthOfNumberAgain) {
+    expect_every_length_again<MixedNumbers>();
+    expect_every_length_again<MixedLengthNumbers<1>>();
+    expect_every_length_again<MixedLengthNumbers<2>>();
+    expect_every_length_again<MixedLengthNumbers<5>>();
+}
+
+template <typename Numbers>
+void expect_end_of_bytes() {
     RangeDecoder decoder({});
-    MixedNumbers reader({1});
+    Numbers reader({1});
     reader.set_contexts({0});
     for (int i = 0; i < 100000; ++i) reader.code(decoder);
     EXPECT_FALSE(decoder.ok());
+}
+
+TEST(MixedNumbers, EndsOnBytesThatRunOut) {
+    expect_end_of_bytes<MixedNumbers>();
+    expect_end_of_bytes<MixedLengthNumbers<2>>();
 }
 
 }  // namespace

@@ -1,12 +1,16 @@
 #include "codec/mesh/draco_transport.h"
 
+#include <algorithm>
+#include <array>
 #include <random>
 #include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
 #include "codec/mesh/draco_corners.h"
 #include "codec/mesh/mesh_content_make.h"
+#include "codec/mesh/mesh_resident.h"
 #include "codec/mesh/mesh_triangles.h"
 #include "tests/codec/mesh/mesh_tiles.h"
 #include "tests/codec/mesh/prism_meshes.h"
@@ -15,7 +19,7 @@ namespace citystream::codec::mesh {
 namespace {
 
 /// A tile with all that a content can have.
-MeshContent rich_content(float error = 0) {
+MeshContent rich_content(float error = 0, uint32_t most_steps = 3) {
     MeshTile tile = flat_tile(town_mesh(5, 3));
     dress_up(tile, 4);
     MeshTile houses = flat_tile(join({make_town(20, 7), {}}));
@@ -32,12 +36,23 @@ MeshContent rich_content(float error = 0) {
     MeshContentOptions options;
     options.finest_error_metres = error;
     options.normal_bits = 10;
+    options.most_steps = most_steps;
     options.topology = MeshTopology::kLocalStrips;
     return make_content(tile, options);
 }
 
 std::vector<TriangleFacts> facts_of(const MeshContent& content) {
     return triangle_facts(to_tile(content), content.normal_bits);
+}
+
+/// Ranks of prisms and of their points are the reader's own.
+std::vector<std::tuple<std::vector<Corners>, uint32_t, uint32_t, uint32_t>> prisms_of(const MeshContent& content) {
+    std::vector<std::tuple<std::vector<Corners>, uint32_t, uint32_t, uint32_t>> prisms;
+    for (const MeshPrism& prism : content.prisms)
+        prisms.emplace_back(sorted_triangles(join({{prism.shape}, {}})), prism.wall_chart, prism.top_chart,
+                            prism.floor_chart);
+    std::sort(prisms.begin(), prisms.end());
+    return prisms;
 }
 
 void expect_comes_back(const MeshContent& content) {
@@ -50,7 +65,6 @@ void expect_comes_back(const MeshContent& content) {
     EXPECT_EQ(std::vector{content.dropped.back()}, back->dropped);
     EXPECT_EQ(content.normal_bits, back->normal_bits);
     EXPECT_EQ(content.topology, back->topology);
-    EXPECT_TRUE(back->prisms.empty());
     EXPECT_EQ(facts_of(content), facts_of(*back));
     EXPECT_EQ(back->points, wire->content.points);
     EXPECT_EQ(back->triangles, wire->content.triangles);
@@ -63,6 +77,58 @@ TEST(DracoTransport, BringsBackAllOfATile) {
         ASSERT_FALSE(content.prisms.empty());
         ASSERT_FALSE(content.triangles.empty());
         expect_comes_back(content);
+    }
+}
+
+TEST(DracoTransport, FindsThePrismsThatTravelledAsTriangles) {
+    for (const float error : {0.0f, 0.5f}) {
+        const MeshContent content = rich_content(error);
+        ASSERT_GT(content.prisms.size(), 15u);
+        const auto wire = encode_draco_mesh(content);
+        ASSERT_TRUE(wire);
+        EXPECT_EQ(prisms_of(content), prisms_of(wire->content));
+        EXPECT_EQ(content.triangles.size(), wire->content.triangles.size());
+        EXPECT_EQ(content.points.size(), wire->content.points.size());
+    }
+}
+
+/// A triangle as a vertex shader has it, turned to its least form: places, normals and texture coordinates of corners.
+/// Those that fill up prisms with fewer points than their range, at two corners in one place, show nothing.
+using SeenCorner = std::array<std::array<int32_t, 3>, 3>;
+using SeenTriangle = std::tuple<std::array<SeenCorner, 3>, uint32_t, bool>;
+
+std::vector<SeenTriangle> seen_triangles(const std::vector<uint32_t>& words) {
+    const auto view = ResidentMeshView::create(words, 100);
+    EXPECT_TRUE(view) << view.error().text();
+    std::vector<SeenTriangle> seen;
+    for (uint32_t t = 0; view && t < view->triangle_count(); ++t) {
+        std::array<SeenCorner, 3> corners{};
+        for (uint32_t k = 0; k < 3; ++k) {
+            const ResidentCorner corner = view->corner(t, k, {});
+            corners[k] = {corner.position, corner.normal, {}};
+            view->texcoord(t, k, corners[k][2].data());
+        }
+        std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+        if (corners[0][0] == corners[1][0] || corners[1][0] == corners[2][0] || corners[2][0] == corners[0][0])
+            continue;
+        seen.emplace_back(corners, view->chart_word(t), view->dressed(t));
+    }
+    std::sort(seen.begin(), seen.end());
+    return seen;
+}
+
+TEST(DracoTransport, WhatIsKeptAndDrawnIsThatOfTheOtherTransport) {
+    for (const float error : {0.0f, 0.5f}) {
+        const MeshContent content = rich_content(error, 1);
+        const auto wire = encode_draco_mesh(content);
+        ASSERT_TRUE(wire);
+        const std::vector<uint32_t> words = make_resident(wire->content).with_steps(1);
+        const std::vector<uint32_t> others = make_resident(encode_mesh_wire(content).content).with_steps(1);
+        const auto seen = seen_triangles(words);
+        EXPECT_GT(seen.size(), 600u);
+        EXPECT_TRUE(seen_triangles(others) == seen);
+        // Orders differ, and with them how strips run and which faces follow each other.
+        EXPECT_NEAR(1.0, static_cast<double>(words.size()) / static_cast<double>(others.size()), 0.03);
     }
 }
 
@@ -153,7 +219,11 @@ TEST(DracoTransport, LimitsAndClaimsAreCheckedBeforeRoomIsMade) {
     const auto wire = encode_draco_mesh(content);
     ASSERT_TRUE(wire);
     const auto triangles = static_cast<uint32_t>(triangle_count(content));
-    const auto points = static_cast<uint32_t>(wire->content.points.size());
+    std::set<GridPoint> places;
+    for_each_triangle(content, [&places](const PlacedTriangle& triangle) {
+        places.insert(triangle.places.begin(), triangle.places.end());
+    });
+    const auto points = static_cast<uint32_t>(places.size());
     EXPECT_TRUE(decode_draco_mesh(wire->steps[0], {points, triangles}));
     EXPECT_FALSE(decode_draco_mesh(wire->steps[0], {points - 1, triangles}));
     EXPECT_FALSE(decode_draco_mesh(wire->steps[0], {points, triangles - 1}));

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/codec/mesh/mesh_cases.h"
 #include "tests/codec/mesh/prism_meshes.h"
 
 namespace citystream::codec::mesh {
@@ -137,6 +138,18 @@ TEST(Prisms, NoTriangleIsLostWhenEverythingIsSquashedTogether) {
         std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
         split_checked(mesh);
     }
+}
+
+TEST(Prisms, WhereThousandsStandOnOneEdgeTheSearchEndsEarly) {
+    constexpr size_t kCopies = 20'000;
+    GridMesh box, mesh;
+    add_box(box, {0, 0, 0}, {40, 30, 20});
+    mesh.points = box.points;
+    for (size_t i = 0; i < kCopies; ++i)
+        mesh.triangles.insert(mesh.triangles.end(), box.triangles.begin(), box.triangles.end());
+    const auto split = split_checked(mesh);
+    EXPECT_GT(split.prisms.size(), 100u);
+    EXPECT_LT(split.prisms.size(), kCopies / 2);
 }
 
 TEST(Prisms, NoTriangleOfARandomSoupIsLost) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -33,10 +34,14 @@ MeshTile net_of(int32_t squares, int32_t side, uint32_t rough) {
     return tile;
 }
 
-size_t cost_of(const MeshWire& wire) {
-    size_t bytes = wire.steps[0].size();
+size_t whole(const MeshWire& wire) {
+    size_t bytes = 0;
     for (const auto& step : wire.steps) bytes += step.size();
     return bytes;
+}
+
+size_t cost_of(const MeshWire& wire) {
+    return wire.steps[0].size() + kWholeToFirst * whole(wire);
 }
 
 MeshWire with_steps(const MeshTile& tile, uint32_t steps) {
@@ -51,6 +56,17 @@ TEST(StepChoice, PositionsWithoutOrderTravelInSteps) {
     EXPECT_GT(chosen.steps.size(), 1u);
     EXPECT_LT(cost_of(chosen), cost_of(with_steps(rough, 1)));
     EXPECT_EQ(with_steps(rough, static_cast<uint32_t>(chosen.steps.size())).steps, chosen.steps);
+}
+
+TEST(StepChoice, TheWholeIsAtMostAQuarterLargerThanInOneStep) {
+    for (const uint32_t rough : {4u, 40u, 400u, 4000u}) {
+        const MeshTile net = net_of(12, 1 << 14, rough);
+        const MeshWire chosen = encode_best_steps(net, {}), one = with_steps(net, 1);
+        EXPECT_LE(kWholeToFirst * whole(chosen), (kWholeToFirst + 1) * whole(one)) << rough;
+        const auto steps = static_cast<uint32_t>(chosen.steps.size());
+        for (uint32_t other = 1; other <= std::min(steps + 1, MeshContentOptions{}.most_steps); ++other)
+            EXPECT_LE(cost_of(chosen), cost_of(with_steps(net, other))) << rough << ", " << other;
+    }
 }
 
 TEST(StepChoice, WhereTheFirstStepHardlyShrinksThereIsOne) {

@@ -15,6 +15,7 @@
 
 #include "codec/chart_word.h"
 #include "codec/mesh/mesh_layer.h"
+#include "codec/mesh/step_choice.h"
 #include "tests/tiles/layers/city_builds.h"
 #include "tiles/layers/inspect_city.h"
 #include "tiles/tileset/facade_index.h"
@@ -361,7 +362,7 @@ TEST_F(BuildCity, TilesHaveAsManyStepsAsPayOrAsManyAsTheyAreTold) {
             const auto& mesh = record.steps(Layer::kMesh);
             if (mesh.empty()) continue;
             EXPECT_LE(mesh.size(), steps.value_or(kMostChosenSteps));
-            bytes += mesh.front().end + mesh.back().end;
+            bytes += mesh.front().end + codec::mesh::kWholeToFirst * mesh.back().end;
         }
         return bytes;
     };
