@@ -24,3 +24,8 @@ pkg_check_modules(LIBAV REQUIRED libavcodec libavformat libavutil libswscale)
 # OpenImageIO's CMake package names folders that Debian does not ship; its pkg-config file is right.
 pkg_check_modules(OPENIMAGEIO REQUIRED OpenImageIO)
 pkg_check_modules(XXHASH REQUIRED libxxhash)
+# Rays of the radiance layer. A machine without it builds all but what bakes that layer.
+find_package(embree 3.13 QUIET)
+if(NOT TARGET embree)
+  message(STATUS "Embree 3.13 is not here (libembree-dev): without it no radiance layer can be built")
+endif()

@@ -9,7 +9,7 @@ packages=(
     libvulkan-dev vulkan-validationlayers libvulkan-volk-dev libegl-dev libgles-dev libglu1-mesa-dev glslang-tools spirv-tools
     nlohmann-json3-dev libsimdjson-dev libexpat1-dev libfmt-dev libcli11-dev libzstd-dev liblzma-dev zlib1g-dev libxxhash-dev libssl-dev
     libtinygltf-dev libavcodec-dev libavformat-dev libavutil-dev libswscale-dev libx264-dev
-    libsquish-dev libstb-dev libglm-dev libgtest-dev libbenchmark-dev python3 unzip curl xz-utils
+    libembree-dev libsquish-dev libstb-dev libglm-dev libgtest-dev libbenchmark-dev python3 unzip curl xz-utils
 )
 mesa=(mesa-vulkan-drivers libegl-mesa0 libgl1-mesa-dri)
 

@@ -1,0 +1,21 @@
+// A transfer matrix row by row on the wire, as it is: what biclusters and bits are compared with. FORMAT.md, "Rows".
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "codec/radiance/sparse_row_code.h"
+#include "codec/radiance/transfer.h"
+#include "codec/result.h"
+
+namespace citystream::codec::radiance {
+
+/// `local_count`: M (1..1024), of which the rows are a multiple; rows below 2^24. Deterministic. O(nonzeros).
+std::vector<std::byte> encode_rows(const Transfer& transfer, uint32_t local_count);
+
+/// What encode_rows wrote, or an error: any bytes are safe. No more entries than limits.entries.
+Result<Transfer> decode_rows(std::span<const std::byte> bytes, const RadianceLimits& limits);
+
+}  // namespace citystream::codec::radiance

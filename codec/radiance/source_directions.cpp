@@ -1,0 +1,87 @@
+#include "codec/radiance/source_directions.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace citystream::codec::radiance {
+
+namespace {
+
+/// A direction's face, and its s and t in units of the major component's size.
+template <typename Number>
+struct FacePlace {
+    uint32_t face;
+    Number s, t, major;
+};
+
+template <typename Number>
+FacePlace<Number> face_place(const std::array<Number, 3>& d) {
+    const auto size = [](Number v) { return v < 0 ? -v : v; };
+    const Number x = size(d[0]), y = size(d[1]), z = size(d[2]);
+    if (z >= x && z >= y)
+        return d[2] < 0 ? FacePlace<Number>{5, -d[0], -d[1], z} : FacePlace<Number>{4, d[0], -d[1], z};
+    if (y >= x) return d[1] < 0 ? FacePlace<Number>{3, d[0], -d[2], y} : FacePlace<Number>{2, d[0], d[2], y};
+    return d[0] < 0 ? FacePlace<Number>{1, d[2], -d[1], x} : FacePlace<Number>{0, -d[2], -d[1], x};
+}
+
+double corner_area(double x, double y) {
+    return std::atan2(x * y, std::sqrt(x * x + y * y + 1));
+}
+
+}  // namespace
+
+GridDirection cell_direction(uint32_t side, uint32_t cell) {
+    assert(side >= 1 && cell < cube_cells(side));
+    const auto size = static_cast<int32_t>(side);
+    const int32_t s = 2 * static_cast<int32_t>(cell % side) + 1 - size;
+    const int32_t t = 2 * static_cast<int32_t>(cell / side % side) + 1 - size;
+    switch (cell / side / side) {
+        case 0:
+            return {size, -t, -s};
+        case 1:
+            return {-size, -t, s};
+        case 2:
+            return {s, size, t};
+        case 3:
+            return {s, -size, -t};
+        case 4:
+            return {s, -t, size};
+        default:
+            return {-s, -t, -size};
+    }
+}
+
+uint32_t cell_of(const std::array<int64_t, 3>& direction, uint32_t side) {
+    const auto place = face_place(direction);
+    if (place.major == 0) return (4 * side + side / 2) * side + side / 2;
+    const auto along = [&](int64_t v) {
+        const int64_t i = (v + place.major) * side / (2 * place.major);
+        return static_cast<uint32_t>(std::min<int64_t>(i, side - 1));
+    };
+    return (place.face * side + along(place.t)) * side + along(place.s);
+}
+
+uint32_t cell_of(const std::array<double, 3>& direction, uint32_t side) {
+    const auto place = face_place(direction);
+    if (!(place.major > 0)) return (4 * side + side / 2) * side + side / 2;
+    const auto along = [&](double v) {
+        const double i = (v / place.major + 1) / 2 * side;
+        return static_cast<uint32_t>(std::clamp(i, 0.0, static_cast<double>(side - 1)));
+    };
+    return (place.face * side + along(place.t)) * side + along(place.s);
+}
+
+uint32_t texel_of_sample(uint32_t texels_across, uint32_t sample) {
+    const uint32_t side = kSamplesAcross * texels_across;
+    const uint32_t column = sample % side, row = sample / side % side, face = sample / side / side;
+    return (face * texels_across + row / kSamplesAcross) * texels_across + column / kSamplesAcross;
+}
+
+double cell_solid_angle(uint32_t side, uint32_t cell) {
+    const double x0 = 2.0 * (cell % side) / side - 1, y0 = 2.0 * (cell / side % side) / side - 1;
+    const double x1 = x0 + 2.0 / side, y1 = y0 + 2.0 / side;
+    return corner_area(x1, y1) - corner_area(x0, y1) - corner_area(x1, y0) + corner_area(x0, y0);
+}
+
+}  // namespace citystream::codec::radiance

@@ -1,0 +1,59 @@
+// The transfer matrix of a tile in whole numbers: how much of each source texel's light reaches each local direction of
+// each receiver (Sun et al. 2011, section 4.1, equation 2: L* = T L).
+//
+// Row: receiver * M + local direction. Column: source texel. Entries are *quarters*, 0..4 at first; biclustering leaves
+// residuals beyond that, which is why they are signed. T holds visibility, turning and down-sampling and nothing else:
+// solid angles belong to the light (source_light.h), cosines and materials to what is done with L*.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "codec/radiance/local_directions.h"
+#include "codec/radiance/visibility_bits.h"
+
+namespace citystream::codec::radiance {
+
+/// One quarter of a texel.
+inline constexpr float kQuarter = 0.25F;
+
+/// Sparse rows: entries row_begin[j]..row_begin[j + 1] are row j, columns rising, quarters not 0.
+struct Transfer {
+    uint32_t columns = 0;             ///< at most 2^16
+    std::vector<uint32_t> row_begin;  ///< rows + 1
+    std::vector<uint16_t> column;
+    std::vector<int8_t> quarters;
+    friend bool operator==(const Transfer&, const Transfer&) = default;
+
+    uint32_t rows() const { return static_cast<uint32_t>(row_begin.size()) - 1; }
+    uint64_t nonzeros() const { return column.size(); }
+    /// Of a product by entries: a multiplication and an addition each.
+    uint64_t flops() const { return 2 * nonzeros(); }
+};
+
+enum class TransferRule : uint8_t {
+    /// Every visible sample adds a quarter to the local direction that is nearest to the sample.
+    kSamples,
+    /// As the paper's text has it: all visible samples of a texel go to what is nearest to the texel's centre.
+    kTexels
+};
+
+/// For a frame: which local direction each sample goes to.
+std::vector<uint16_t> local_of_samples(const Frame& frame, uint32_t side, const LocalDirections& local,
+                                       TransferRule rule = TransferRule::kSamples);
+
+/// Bits below the receivers' planes count as 0, whatever they are. O(samples of the tile + frames x samples).
+Transfer make_transfer(const VisibilityTile& tile, const LocalDirections& local,
+                       TransferRule rule = TransferRule::kSamples);
+
+/// Rows that are equal kept once.
+struct DistinctRows {
+    Transfer rows;                 ///< in the order of first use
+    std::vector<uint32_t> row_of;  ///< of each row of the whole
+};
+DistinctRows distinct_rows(const Transfer& transfer);
+/// The whole again.
+Transfer all_rows(const DistinctRows& distinct);
+
+}  // namespace citystream::codec::radiance
