@@ -21,7 +21,7 @@ run_preset() {  # PRESET [TARGETS...]: without targets everything is built and r
 
 run_preset release
 sanitized=(citystream_codec_bits_tests citystream_codec_mesh_tests citystream_codec_atlas_tests citystream_codec_facade_tests
-           citystream_tiles_city_tests citystream_tiles_tileset_tests citystream_tiles_archive_tests citystream_tiles_layers_tests
+           citystream_codec_radiance_tests citystream_tiles_radiance_tests citystream_client_light_tests citystream_tiles_city_tests citystream_tiles_tileset_tests citystream_tiles_archive_tests citystream_tiles_layers_tests
            citystream_shaders_tests citystream_server_tests citystream_client_select_tests citystream_client_stream_tests
            citystream_client_path_tests citystream_client_load_tests fuzzers)
 run_preset asan "${sanitized[@]}"
