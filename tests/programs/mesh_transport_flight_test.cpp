@@ -1,6 +1,7 @@
 // A city whose meshes travel in libdraco's form: the same frames.
-#include <cstdlib>
+#include <algorithm>
 
+#include "client/report/image_metrics.h"
 #include "tests/programs/flown_frames.h"
 
 namespace citystream::tests {
@@ -28,13 +29,13 @@ TEST(MeshTransportFlight, FramesAreTheSameWhicheverWayMeshesTravel) {
         const auto& a = draco.frames[frame].rgba;
         const auto& b = wanted.frames[frame].rgba;
         ASSERT_EQ(a.size(), b.size());
-        // libdraco turns triangles, so what is interpolated over them is rounded otherwise.
+        // libdraco turns triangles and draws them in another order: what is interpolated over them is rounded
+        // otherwise, and of two surfaces that meet in a pixel the other one may be in front.
         size_t differing = 0;
-        for (size_t i = 0; i < a.size(); ++i) {
-            ASSERT_LE(std::abs(a[i] - b[i]), 1) << "frame " << frame;
-            differing += a[i] != b[i] ? 1 : 0;
-        }
-        EXPECT_LE(differing, a.size() / 50000) << "frame " << frame;
+        for (size_t pixel = 0; pixel < a.size(); pixel += 4)
+            differing += std::equal(&a[pixel], &a[pixel] + 4, &b[pixel]) ? 0 : 1;
+        EXPECT_LE(differing, a.size() / 4 / 10000) << "frame " << frame;
+        EXPECT_GE(client::psnr(draco.frames[frame], wanted.frames[frame]), 55) << "frame " << frame;
     }
 }
 
