@@ -43,8 +43,12 @@ Vector unit(const GridDirection& d) {
     return {x / length, y / length, z / length};
 }
 
+double cosine(const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 double angle(const Vector& a, const Vector& b) {
-    return std::acos(std::clamp(a[0] * b[0] + a[1] * b[1] + a[2] * b[2], -1.0, 1.0));
+    return std::acos(std::clamp(cosine(a, b), -1.0, 1.0));
 }
 
 /// Angle from a cell's centre to the farthest of its corners, which are centres of cells of a grid of twice the side,
@@ -73,15 +77,15 @@ LocalDirections::LocalDirections(uint32_t side) : side_(side) {
     }
     // What is nearest to a point of a cell is no farther from the centre than the centre's nearest and twice the
     // radius.
-    std::vector<double> angles(units.size());
+    std::vector<double> cosines(units.size());
     for (uint32_t cell = 0; cell < cube_cells(kLookupSide); ++cell) {
         const Vector centre = unit(cell_direction(kLookupSide, cell));
-        for (size_t j = 0; j < units.size(); ++j) angles[j] = angle(centre, units[j]);
-        const double most =
-            *std::min_element(angles.begin(), angles.end()) + 2 * cell_radius(kLookupSide, cell) + kSlack;
+        for (size_t j = 0; j < units.size(); ++j) cosines[j] = cosine(centre, units[j]);
+        const double nearest = std::acos(std::min(*std::max_element(cosines.begin(), cosines.end()), 1.0));
+        const double least = std::cos(std::min(nearest + 2 * cell_radius(kLookupSide, cell) + kSlack, kPi));
         candidate_begin_.push_back(static_cast<uint32_t>(candidates_.size()));
         for (size_t j = 0; j < units.size(); ++j) {
-            if (angles[j] <= most) candidates_.push_back(static_cast<uint16_t>(j));
+            if (cosines[j] >= least) candidates_.push_back(static_cast<uint16_t>(j));
         }
     }
     candidate_begin_.push_back(static_cast<uint32_t>(candidates_.size()));

@@ -23,7 +23,7 @@ inline constexpr uint32_t kMostLocalSide = 32;
 
 class LocalDirections {
   public:
-    /// `side`: m, 1..kMostLocalSide. O(m^2), about 8 ms for 8 x 8.
+    /// `side`: m, 1..kMostLocalSide. O(m^2), about 2 ms for 8 x 8.
     explicit LocalDirections(uint32_t side);
 
     uint32_t side() const { return side_; }

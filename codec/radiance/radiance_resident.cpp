@@ -154,9 +154,12 @@ uint32_t ResidentRadianceView::row_of(uint32_t receiver, uint32_t local) const {
     return field(RADIANCE_WORD_ROW_FIELDS, receiver * locals() + local, bits(RADIANCE_WORD_BITS, 24));
 }
 
-Status ResidentRadianceView::check_header() const {
-    if (words_.size() < RADIANCE_HEADER_WORDS) return Error{"radiance words shorter than their header", 0};
-    if (words_[RADIANCE_WORD_MAGIC] != RADIANCE_MAGIC) return Error{"not radiance words", 0};
+Status check_resident_header(std::span<const uint32_t> header, uint64_t words) {
+    if (header.size() < RADIANCE_HEADER_WORDS || words < RADIANCE_HEADER_WORDS)
+        return Error{"radiance words shorter than their header", 0};
+    if (header[RADIANCE_WORD_MAGIC] != RADIANCE_MAGIC) return Error{"not radiance words", 0};
+    const auto bits = [&](uint32_t word, uint32_t shift) { return header[word] >> shift & 0xff; };
+    const uint32_t clusters = header[RADIANCE_WORD_CLUSTERS], rows = header[RADIANCE_WORD_ROWS];
     const uint32_t column_bits = bits(RADIANCE_WORD_BITS, 0), quarter_bits = bits(RADIANCE_WORD_BITS, 8);
     const uint32_t link_bits = bits(RADIANCE_WORD_BITS, 16), row_bits = bits(RADIANCE_WORD_BITS, 24);
     const uint32_t term_start_bits = bits(RADIANCE_WORD_START_BITS, 0),
@@ -167,23 +170,22 @@ Status ResidentRadianceView::check_header() const {
         uint64_t words, fields;
         uint32_t field_bits, offset_word;
     };
-    const uint64_t numbers = uint64_t{receivers()} * locals();
-    if (receivers() > kMostReceivers || numbers > kMostRows)
+    const uint64_t numbers = uint64_t{header[RADIANCE_WORD_RECEIVERS]} * header[RADIANCE_WORD_LOCALS];
+    if (header[RADIANCE_WORD_RECEIVERS] > kMostReceivers || numbers > kMostRows)
         return Error{"radiance of more receivers than there may be", RADIANCE_WORD_RECEIVERS * 4};
-    const Part parts[] = {
-        {start_groups(clusters()), uint64_t{clusters()} + 1, term_start_bits, RADIANCE_WORD_TERM_STARTS},
-        {start_groups(rows()), uint64_t{rows()} + 1, link_start_bits, RADIANCE_WORD_LINK_STARTS},
-        {0, words_[RADIANCE_WORD_TERMS], column_bits + quarter_bits, RADIANCE_WORD_TERM_FIELDS},
-        {0, words_[RADIANCE_WORD_LINKS], link_bits, RADIANCE_WORD_LINK_FIELDS},
-        {0, numbers, row_bits, RADIANCE_WORD_ROW_FIELDS}};
+    const Part parts[] = {{start_groups(clusters), uint64_t{clusters} + 1, term_start_bits, RADIANCE_WORD_TERM_STARTS},
+                          {start_groups(rows), uint64_t{rows} + 1, link_start_bits, RADIANCE_WORD_LINK_STARTS},
+                          {0, header[RADIANCE_WORD_TERMS], column_bits + quarter_bits, RADIANCE_WORD_TERM_FIELDS},
+                          {0, header[RADIANCE_WORD_LINKS], link_bits, RADIANCE_WORD_LINK_FIELDS},
+                          {0, numbers, row_bits, RADIANCE_WORD_ROW_FIELDS}};
     uint64_t at = RADIANCE_HEADER_WORDS;
     for (const Part& part : parts) {
-        if (words_[part.offset_word] != at)
+        if (header[part.offset_word] != at)
             return Error{"a part of radiance words is not in its place", part.offset_word * 4};
         if (part.fields > kMostBits / 32) return Error{"more radiance fields than there may be", part.offset_word * 4};
         at += part.words + bits::words_for(part.fields, part.field_bits);
     }
-    if (at != words_.size()) return Error{"radiance words do not end where their parts do", at * 4};
+    if (at != words) return Error{"radiance words do not end where their parts do", at * 4};
     return Done{};
 }
 
@@ -225,7 +227,7 @@ Status ResidentRadianceView::check_content() const {
 Result<ResidentRadianceView> ResidentRadianceView::create(std::span<const uint32_t> words) {
     ResidentRadianceView view;
     view.words_ = words;
-    if (const Status header = view.check_header(); !header) return header.error();
+    if (const Status header = check_resident_header(words, words.size()); !header) return header.error();
     if (const Status content = view.check_content(); !content) return content.error();
     return view;
 }

@@ -21,6 +21,9 @@ namespace citystream::codec::radiance {
 std::vector<uint32_t> make_resident_radiance(const Biclusters& clusters, std::span<const uint32_t> row_of,
                                              uint32_t local_count);
 
+/// Whether a header (RADIANCE_HEADER_WORDS of `words` words) is one, its parts lying one behind the other to the end.
+Status check_resident_header(std::span<const uint32_t> header, uint64_t words);
+
 /// A checked view: neither it nor a shader that is bounded by the same words can read outside them, whatever they are.
 class ResidentRadianceView {
   public:
@@ -61,7 +64,6 @@ class ResidentRadianceView {
     uint32_t bits(uint32_t word, uint32_t shift) const { return words_[word] >> shift & 0xff; }
     uint32_t field(uint32_t offset_word, uint32_t i, uint32_t bits) const;
     uint32_t start(uint32_t offset_word, uint32_t i, uint32_t count, uint32_t bits) const;
-    Status check_header() const;
     Status check_content() const;
 
     std::span<const uint32_t> words_;

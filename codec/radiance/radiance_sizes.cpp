@@ -18,7 +18,7 @@ uint64_t csr_bytes(const Transfer& transfer) {
 
 RepresentationSize size_of_bits(const VisibilityTile& tile) {
     const uint64_t tables = uint64_t{2} * tile.frames.size() * sample_count(tile.side);
-    RepresentationSize size{"bits", 4 * tile.words.size() + tables, 0, 0};
+    RepresentationSize size{"bits", 4 * tile.words.size() + tables, 4 * tile.frames.size(), 0};
     for (const auto& step : encode_visibility(tile)) size.wire_bytes += step.bytes.size();
     for (const uint32_t word : tile.words) size.flops += static_cast<uint64_t>(std::popcount(word));
     return size;

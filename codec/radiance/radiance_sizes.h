@@ -24,7 +24,7 @@ struct RepresentationSize {
 ///   paper        biclusters of all rows, 4 (r + 2l) bytes each as the paper's sizes imply; bicluster_wire.h
 ///   bicluster    biclusters of distinct rows as radiance_resident.h keeps them; does not travel by itself
 ///   bits         visibility bits and a 16-bit local direction for each sample of each frame; an addition a sample that
-///                is seen; visibility_wire.h
+///                is seen; visibility_wire.h and the frames' codes
 /// Takes as long as two to four searches (bicluster.h).
 std::vector<RepresentationSize> representation_sizes(const VisibilityTile& tile, const LocalDirections& local,
                                                      BiclusterGoal goal, uint64_t random_seed = 1);

@@ -52,6 +52,20 @@ GridDirection cell_direction(uint32_t side, uint32_t cell) {
     }
 }
 
+FaceProduct face_product(const std::array<int64_t, 3>& vector, uint32_t side, uint32_t face) {
+    const auto at = [&](uint32_t cell) {
+        const GridDirection d = cell_direction(side, cell);
+        return vector[0] * d[0] + vector[1] * d[1] + vector[2] * d[2];
+    };
+    const uint32_t first = face * side * side;
+    FaceProduct product{at(first), 0, 0};
+    if (side > 1) {
+        product.right = at(first + 1) - product.first;
+        product.down = at(first + side) - product.first;
+    }
+    return product;
+}
+
 uint32_t cell_of(const std::array<int64_t, 3>& direction, uint32_t side) {
     const auto place = face_place(direction);
     if (place.major == 0) return (4 * side + side / 2) * side + side / 2;

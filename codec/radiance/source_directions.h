@@ -38,6 +38,15 @@ constexpr uint32_t sample_count(uint32_t texels_across) {
 /// Centre of a cell times `side`: the major axis is +-side, the others are below it in magnitude.
 GridDirection cell_direction(uint32_t side, uint32_t cell);
 
+/// The scalar product of a vector with the centres of a face's cells (cell_direction), which is linear in column and
+/// row.
+struct FaceProduct {
+    int64_t first = 0, right = 0, down = 0;
+    int64_t at(uint32_t column, uint32_t row) const { return first + int64_t{column} * right + int64_t{row} * down; }
+};
+/// Components below 2^40 in magnitude.
+FaceProduct face_product(const std::array<int64_t, 3>& vector, uint32_t side, uint32_t face);
+
 /// The cell that holds a direction of any length. Of components of the same size z goes before y and y before x, as
 /// Vulkan has it; on a border between cells of one face the one with the greater number. Zero is +z.
 uint32_t cell_of(const std::array<double, 3>& direction, uint32_t side);

@@ -1,7 +1,9 @@
 #include "codec/radiance/transfer.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <numeric>
 #include <string_view>
 #include <unordered_map>
 
@@ -36,6 +38,108 @@ void gather_entries(std::span<const uint32_t> bits, std::span<const uint32_t> ab
     }
 }
 
+/// Which local direction is nearest to each cell of a grid, face by face. Products are linear over a face: in a square
+/// of cells none can be the nearest to any whose product is exceeded by that of one and the same other at all four
+/// corners. So few are left to be looked at, and most small squares have one alone.
+class NearestOfCells {
+  public:
+    NearestOfCells(const Frame& frame, uint32_t side, const LocalDirections& local)
+        : frame_(frame), side_(side), local_(local), nearest_(cube_cells(side), 0) {}
+
+    /// 0 where all of a square is below the plane.
+    std::vector<uint16_t> fill() {
+        std::vector<uint16_t> all(local_.count());
+        std::iota(all.begin(), all.end(), uint16_t{0});
+        for (face_ = 0; face_ < kCubeFaces; ++face_) {
+            height_ = product_with({0, 0, 1});
+            products_.clear();
+            for (uint32_t j = 0; j < local_.count(); ++j) products_.push_back(product_with(local_.direction(j)));
+            fill_square(0, 0, side_, all);
+        }
+        return std::move(nearest_);
+    }
+
+  private:
+    static constexpr uint32_t kParts = 4, kSmall = 4;
+
+    /// Of a vector in the frame's axes.
+    FaceProduct product_with(const GridDirection& in_frame) const {
+        std::array<int64_t, 3> world{};
+        for (size_t k = 0; k < 3; ++k) {
+            for (size_t i = 0; i < 3; ++i) world[k] += int64_t{frame_.axes[i][k]} * in_frame[i];
+        }
+        return face_product(world, side_, face_);
+    }
+
+    void fill_square(uint32_t x, uint32_t y, uint32_t size, const std::vector<uint16_t>& candidates) {
+        if (x >= side_ || y >= side_) return;
+        const uint32_t right = std::min(x + size, side_) - 1, low = std::min(y + size, side_) - 1;
+        const std::array<std::array<uint32_t, 2>, 4> corners = {{{x, y}, {right, y}, {x, low}, {right, low}}};
+        const auto at = [&](const FaceProduct& product) {
+            std::array<int64_t, 4> values{};
+            for (size_t c = 0; c < 4; ++c) values[c] = product.at(corners[c][0], corners[c][1]);
+            return values;
+        };
+        const auto heights = at(height_);
+        if (*std::max_element(heights.begin(), heights.end()) <= 0) return;
+        const std::vector<uint16_t> left = left_of(candidates, at);
+        if (left.size() == 1) {
+            for (uint32_t row = y; row <= low; ++row) std::fill_n(&nearest_[cell(x, row)], right - x + 1, left[0]);
+        } else if (size <= kSmall) {
+            for (uint32_t row = y; row <= low; ++row) {
+                for (uint32_t column = x; column <= right; ++column)
+                    nearest_[cell(column, row)] = nearest_of(left, column, row);
+            }
+        } else {
+            const uint32_t part = (size + kParts - 1) / kParts;
+            for (uint32_t i = 0; i < kParts * kParts; ++i)
+                fill_square(x + i % kParts * part, y + i / kParts * part, part, left);
+        }
+    }
+
+    /// Candidates that no other exceeds at all corners.
+    template <typename At>
+    std::vector<uint16_t> left_of(const std::vector<uint16_t>& candidates, const At& at) const {
+        std::vector<std::array<int64_t, 4>> values;
+        values.reserve(candidates.size());
+        for (const uint16_t j : candidates) values.push_back(at(products_[j]));
+        std::array<size_t, 4> best{};
+        for (size_t i = 1; i < values.size(); ++i) {
+            for (size_t c = 0; c < 4; ++c) best[c] = values[i][c] > values[best[c]][c] ? i : best[c];
+        }
+        std::vector<uint16_t> left;
+        for (size_t i = 0; i < values.size(); ++i) {
+            const auto exceeds = [&](size_t k) {
+                return values[k][0] > values[i][0] && values[k][1] > values[i][1] && values[k][2] > values[i][2] &&
+                       values[k][3] > values[i][3];
+            };
+            if (std::none_of(best.begin(), best.end(), exceeds)) left.push_back(candidates[i]);
+        }
+        return left;
+    }
+
+    uint16_t nearest_of(const std::vector<uint16_t>& candidates, uint32_t column, uint32_t row) const {
+        uint16_t best = candidates[0];
+        int64_t most = products_[best].at(column, row);
+        for (size_t i = 1; i < candidates.size(); ++i) {
+            const int64_t here = products_[candidates[i]].at(column, row);
+            if (here <= most) continue;
+            most = here;
+            best = candidates[i];
+        }
+        return best;
+    }
+
+    size_t cell(uint32_t column, uint32_t row) const { return (size_t{face_} * side_ + row) * side_ + column; }
+
+    const Frame& frame_;
+    uint32_t side_, face_ = 0;
+    const LocalDirections& local_;
+    FaceProduct height_;
+    std::vector<FaceProduct> products_;
+    std::vector<uint16_t> nearest_;
+};
+
 struct FrameTable {
     std::vector<uint16_t> local;  ///< of each sample
     std::vector<uint32_t> above;
@@ -66,6 +170,26 @@ class FrameTables {
     TransferRule rule_;
     Slot slots_[kSlots];
 };
+
+constexpr uint32_t kFrameTables = 256;
+constexpr uint64_t kHashFactor = 0x9e3779b97f4a7c15u;
+constexpr uint32_t kPieceBits = 32, kEvenBits = 0x55555555;
+constexpr uint8_t kBitsOfFour[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+
+/// In the order of their numbers.
+std::array<uint32_t, kSamplesInTexel> samples_of_texel(uint32_t side, uint32_t texel) {
+    const uint32_t across = kSamplesAcross * side;
+    const uint32_t first = kSamplesAcross * (texel / side * across + texel % side);
+    return {first, first + 1, first + across, first + across + 1};
+}
+
+/// `count` (1..32) bits from one on, of those that are set in both.
+uint32_t above_bits(std::span<const uint32_t> bits, std::span<const uint32_t> above, uint32_t first, uint32_t count) {
+    const uint32_t word = first / 32, shift = first % 32;
+    uint64_t both = bits[word] & above[word];
+    if (shift + count > 32) both |= uint64_t{bits[word + 1] & above[word + 1]} << 32;
+    return static_cast<uint32_t>(both >> shift & ((uint64_t{1} << count) - 1));
+}
 
 /// Appends a receiver's rows.
 void append_rows(Transfer& transfer, const std::vector<Entry>& entries, uint32_t local_count) {
@@ -116,12 +240,10 @@ void append_row(Transfer& to, const Transfer& from, uint32_t row) {
 
 std::vector<uint16_t> local_of_samples(const Frame& frame, uint32_t side, const LocalDirections& local,
                                        TransferRule rule) {
+    if (rule == TransferRule::kSamples) return NearestOfCells(frame, kSamplesAcross * side, local).fill();
+    const std::vector<uint16_t> of_texels = NearestOfCells(frame, side, local).fill();
     std::vector<uint16_t> table(sample_count(side));
-    for (uint32_t s = 0; s < table.size(); ++s) {
-        const GridDirection d = rule == TransferRule::kSamples ? cell_direction(kSamplesAcross * side, s)
-                                                               : cell_direction(side, texel_of_sample(side, s));
-        table[s] = static_cast<uint16_t>(local.nearest(frame.to_local(d)));
-    }
+    for (uint32_t s = 0; s < table.size(); ++s) table[s] = of_texels[texel_of_sample(side, s)];
     return table;
 }
 
@@ -135,6 +257,116 @@ Transfer make_transfer(const VisibilityTile& tile, const LocalDirections& local,
         append_rows(transfer, entries, local.count());
     }
     return transfer;
+}
+
+/// Of a frame.
+struct DistinctRowMaker::FrameTable {
+    uint32_t frame = ~0u;
+    std::vector<uint16_t> local;     ///< of each sample
+    std::vector<uint32_t> above;     ///< a bit a sample
+    std::vector<uint16_t> of_texel;  ///< local direction of all four samples of a texel, or kSeveral
+    static constexpr uint16_t kSeveral = 0xffff;
+};
+
+DistinctRowMaker::DistinctRowMaker(uint32_t side, const LocalDirections& local)
+    : side_(side),
+      local_(local),
+      tables_(kFrameTables),
+      distinct_{{texel_count(side), {0}, {}, {}}, {}},
+      entries_(local.count()),
+      hashes_(local.count(), 0) {}
+
+DistinctRowMaker::~DistinctRowMaker() = default;
+
+const DistinctRowMaker::FrameTable& DistinctRowMaker::table_of(uint32_t frame, uint32_t frame_code) {
+    FrameTable& table = tables_[frame % kFrameTables];
+    if (table.frame == frame) return table;
+    const Frame axes = unpack_frame(frame_code);
+    table = {frame, local_of_samples(axes, side_, local_), samples_above(axes, side_),
+             std::vector<uint16_t>(texel_count(side_))};
+    for (uint32_t k = 0; k < table.of_texel.size(); ++k) {
+        const auto samples = samples_of_texel(side_, k);
+        const uint16_t first = table.local[samples[0]];
+        const bool same =
+            std::all_of(samples.begin(), samples.end(), [&](uint32_t s) { return table.local[s] == first; });
+        table.of_texel[k] = same ? first : FrameTable::kSeveral;
+    }
+    return table;
+}
+
+void DistinctRowMaker::gather(const FrameTable& table, std::span<const uint32_t> bits) {
+    const auto add_entry = [&](uint16_t local, uint32_t texel, uint32_t quarters) {
+        const uint32_t entry = texel << 8 | quarters;
+        entries_[local].push_back(entry);
+        hashes_[local] = (hashes_[local] ^ entry) * kHashFactor;
+    };
+    const auto add_several = [&](uint32_t texel, uint32_t seen) {
+        const auto samples = samples_of_texel(side_, texel);
+        for (uint32_t i = 0; i < kSamplesInTexel; ++i) {
+            const uint16_t local = table.local[samples[i]];
+            uint32_t quarters = 0;
+            bool is_first = true;
+            for (uint32_t k = 0; k < kSamplesInTexel; ++k) {
+                if ((seen >> k & 1) == 0 || table.local[samples[k]] != local) continue;
+                is_first = is_first && (quarters > 0 || k == i);
+                ++quarters;
+            }
+            if ((seen >> i & 1) != 0 && is_first) add_entry(local, texel, quarters);
+        }
+    };
+    // Sample rows 2r and 2r + 1 are row r of the texels; in pieces of 16 texels.
+    const uint32_t across = kSamplesAcross * side_;
+    const auto piece = [&](uint32_t bit, uint32_t count) { return above_bits(bits, table.above, bit, count); };
+    for (uint32_t row = 0; row < kCubeFaces * side_; ++row) {
+        for (uint32_t x = 0; x < across; x += kPieceBits) {
+            const uint32_t bit = kSamplesAcross * row * across + x, count = std::min(kPieceBits, across - x);
+            const uint32_t upper = piece(bit, count), lower = piece(bit + across, count);
+            const uint32_t any = upper | lower;
+            for (uint32_t left = (any | any >> 1) & kEvenBits; left != 0; left &= left - 1) {
+                const auto at = static_cast<uint32_t>(std::countr_zero(left));
+                const uint32_t seen = (upper >> at & 3) | (lower >> at & 3) << 2;
+                const uint32_t texel = row * side_ + (x + at) / kSamplesAcross;
+                if (table.of_texel[texel] != FrameTable::kSeveral)
+                    add_entry(table.of_texel[texel], texel, kBitsOfFour[seen]);
+                else
+                    add_several(texel, seen);
+            }
+        }
+    }
+}
+
+void DistinctRowMaker::add_row(uint32_t local) {
+    const std::vector<uint32_t>& entries = entries_[local];
+    Transfer& rows = distinct_.rows;
+    const auto [first, last] = places_.equal_range(hashes_[local]);
+    const auto known = std::find_if(first, last, [&](const auto& place) {
+        const uint32_t begin = rows.row_begin[place.second];
+        if (rows.row_begin[place.second + 1] - begin != entries.size()) return false;
+        for (size_t i = 0; i < entries.size(); ++i) {
+            if (entries[i] >> 8 != rows.column[begin + i] ||
+                (entries[i] & 0xff) != static_cast<uint32_t>(rows.quarters[begin + i]))
+                return false;
+        }
+        return true;
+    });
+    if (known != last) {
+        distinct_.row_of.push_back(known->second);
+        return;
+    }
+    places_.emplace(hashes_[local], rows.rows());
+    distinct_.row_of.push_back(rows.rows());
+    for (const uint32_t entry : entries) {
+        rows.column.push_back(static_cast<uint16_t>(entry >> 8));
+        rows.quarters.push_back(static_cast<int8_t>(entry & 0xff));
+    }
+    rows.row_begin.push_back(static_cast<uint32_t>(rows.column.size()));
+}
+
+void DistinctRowMaker::add(uint32_t frame, uint32_t frame_code, std::span<const uint32_t> bits) {
+    for (auto& entries : entries_) entries.clear();
+    std::fill(hashes_.begin(), hashes_.end(), 0);
+    gather(table_of(frame, frame_code), bits);
+    for (uint32_t local = 0; local < local_.count(); ++local) add_row(local);
 }
 
 DistinctRows distinct_rows(const Transfer& transfer) {

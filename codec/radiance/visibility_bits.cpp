@@ -29,8 +29,16 @@ std::span<const uint32_t> VisibilityTile::of(uint32_t receiver) const {
 
 std::vector<uint32_t> samples_above(const Frame& frame, uint32_t side) {
     std::vector<uint32_t> words((sample_count(side) + 31) / 32, 0);
-    for (uint32_t s = 0; s < sample_count(side); ++s) {
-        if (frame.sees(cell_direction(kSamplesAcross * side, s))) words[s / 32] |= 1u << s % 32;
+    const GridDirection& normal = frame.axes[2];
+    const uint32_t across = kSamplesAcross * side;
+    uint32_t s = 0;
+    for (uint32_t face = 0; face < kCubeFaces; ++face) {
+        const FaceProduct height = face_product({normal[0], normal[1], normal[2]}, across, face);
+        for (uint32_t row = 0; row < across; ++row) {
+            int64_t here = height.at(0, row);
+            for (uint32_t column = 0; column < across; ++column, ++s, here += height.right)
+                words[s / 32] |= (here > 0 ? 1u : 0u) << s % 32;
+        }
     }
     return words;
 }

@@ -53,6 +53,13 @@ class CellStates {
     void write_bits(const CellLayout& layout, uint32_t levels, std::span<const uint32_t> above,
                     std::span<uint32_t> bits) const;
 
+    /// Columns of the mixed cells of a row.
+    void list_mixed(const CellLayout& layout, uint32_t level, uint32_t face, uint32_t y,
+                    std::vector<uint32_t>& columns) const;
+    /// Gives the cells of a level (1..) within the cells of row `y` of the level before the states of these; cells that
+    /// `present` does not have stay absent.
+    void inherit_row(const CellLayout& layout, uint32_t level, uint32_t face, uint32_t y, const CellStates& present);
+
     uint8_t& at(uint32_t level, uint32_t place) { return states_[level][place]; }
     uint8_t at(uint32_t level, uint32_t place) const { return states_[level][place]; }
 

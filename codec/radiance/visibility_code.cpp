@@ -26,31 +26,30 @@ struct Before {
     uint32_t west, north, north_west, north_east;
 };
 
+Before before_of(const CellStates& states, const CellLayout& layout, uint32_t level, uint32_t place) {
+    const uint32_t row = layout.row(level);
+    return {states.at(level, place - 1), states.at(level, place - row), states.at(level, place - row - 1),
+            states.at(level, place - row + 1)};
+}
+
 }  // namespace
 
 VisibilityLevelCode::VisibilityLevelCode(const CellLayout& layout, uint32_t level)
     : layout_(layout),
       level_(level),
-      bits_({joints(4), joints(5), joints(5), joints(5), joints(5), joints(1) * kPlaces, joints(6), joints(8),
-             joints(7), joints(7)},
-            kNodes, kSets) {}
+      bits_({joints(5), joints(1) * kPlaces, joints(6), joints(8), joints(7), joints(7)}, kNodes, kSets) {}
 
-void VisibilityLevelCode::set_contexts(const CellStates& first, const CellStates& second, const CellStates& states,
-                                       uint32_t face, uint32_t x, uint32_t y, uint32_t place) {
-    const uint32_t row = layout_.row(level_);
-    const auto before_of = [&](const CellStates& of) -> Before {
-        return {of.at(level_, place - 1), of.at(level_, place - row), of.at(level_, place - row - 1),
-                of.at(level_, place - row + 1)};
-    };
-    const Before here = before_of(states);
+void VisibilityLevelCode::set_contexts(const Receivers& receivers, uint32_t face, uint32_t x, uint32_t y) {
+    const CellStates &first = receivers.first, &states = receivers.states;
+    const uint32_t row = layout_.row(level_), place = layout_.place(level_, face, x, y);
+    const Before here = before_of(states, layout_, level_, place);
     // Which of the cells before are as the other receiver's: two states' worth of bits.
     const auto alike = [&](const CellStates& other) -> uint32_t {
-        const Before there = before_of(other);
+        const Before there = before_of(other, layout_, level_, place);
         return (here.west == there.west ? 1u : 0) + (here.north == there.north ? 2u : 0) +
                (here.north_west == there.north_west ? 4u : 0) + (here.north_east == there.north_east ? 8u : 0);
     };
-    const uint32_t a = first.at(level_, place), b = second.at(level_, place);
-    const uint32_t first_right = alike(first), second_right = alike(second);
+    const uint32_t a = first.at(level_, place), b = receivers.second.at(level_, place);
     // What comes after is known of the greater cells; of the greatest ones it is taken from the first receiver.
     uint32_t east = first.at(level_, place + 1), south = first.at(level_, place + row);
     uint32_t south_east = first.at(level_, place + row + 1), sibling = 0;
@@ -70,14 +69,10 @@ void VisibilityLevelCode::set_contexts(const CellStates& first, const CellStates
                            std::min(x / scale, kPlacesAcross - 1);
     const uint32_t both = joint({a, b});
     bits_.set_contexts(
-        {first_right * joints(2) + both,                                                                      //
-         joint({east, south, sibling, a, b}),                                                                 //
-         joint({here.north_east, here.north_west, here.north, here.west, a}),                                 //
-         joint({first.at(level_, place + row), first.at(level_, place + 1), first.at(level_, place - row),    //
+        {joint({first.at(level_, place + row), first.at(level_, place + 1), first.at(level_, place - row),    //
                 first.at(level_, place - 1), a}),                                                             //
-         joint({here.west, here.north, sibling, a, b}),                                                       //
          where * joints(1) + a,                                                                               //
-         (first_right * 16 + second_right) * joints(2) + both,                                                //
+         (alike(first) * 16 + alike(receivers.second)) * joints(2) + both,                                    //
          joint({east, south, here.west, here.north, here.north_west, here.north_east, south_east, sibling}),  //
          joint({west2, north2, here.west, here.north, here.north_west, here.north_east, sibling}),            //
          joint({east, south, here.west, here.north, south_east, a, sibling})},

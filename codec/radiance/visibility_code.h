@@ -30,15 +30,18 @@ class VisibilityLevelCode {
   private:
     enum Node : uint32_t { kIsMixed, kIsVisible, kNodes };
     static constexpr uint32_t kSets = kCellStates * kCellStates;
-
+    /// The receivers that one is told by, and itself.
+    struct Receivers {
+        const CellStates &first, &second, &states;
+    };
     template <typename Coder>
     uint8_t code_cell(Coder& coder, uint8_t told);
-    void set_contexts(const CellStates& first, const CellStates& second, const CellStates& states, uint32_t face,
-                      uint32_t x, uint32_t y, uint32_t place);
+    void set_contexts(const Receivers& receivers, uint32_t face, uint32_t x, uint32_t y);
 
     const CellLayout& layout_;
     uint32_t level_;
     bits::MixedBits bits_;
+    std::vector<uint32_t> mixed_;  ///< of a row of greater cells, those that are mixed
 };
 
 template <typename Coder>
@@ -51,21 +54,28 @@ uint8_t VisibilityLevelCode::code_cell(Coder& coder, uint8_t told) {
 template <typename Coder>
 void VisibilityLevelCode::code(Coder& coder, const CellStates& present, const CellStates& first,
                                const CellStates& second, CellStates& states) {
+    const Receivers receivers{first, second, states};
     const uint32_t across = layout_.across(level_);
+    const auto code_at = [&](uint32_t face, uint32_t x, uint32_t y) {
+        const uint32_t place = layout_.place(level_, face, x, y);
+        if (present.at(level_, place) == kAbsent) return;
+        set_contexts(receivers, face, x, y);
+        states.at(level_, place) = code_cell(coder, states.at(level_, place));
+    };
     for (uint32_t face = 0; face < kCubeFaces; ++face) {
         for (uint32_t y = 0; y < across; ++y) {
-            for (uint32_t x = 0; x < across; ++x) {
-                const uint32_t place = layout_.place(level_, face, x, y);
-                if (present.at(level_, place) == kAbsent) continue;
-                if (level_ > 0) {
-                    const uint8_t greater = states.at(level_ - 1, layout_.place(level_ - 1, face, x / 2, y / 2));
-                    if (greater != kMixed) {
-                        states.at(level_, place) = greater;
-                        continue;
-                    }
-                }
-                set_contexts(first, second, states, face, x, y, place);
-                states.at(level_, place) = code_cell(coder, states.at(level_, place));
+            if (level_ == 0) {
+                for (uint32_t x = 0; x < across; ++x) code_at(face, x, y);
+                continue;
+            }
+            // Cells of greater ones that are not mixed are as those; rows come in pairs.
+            if (y % 2 == 0) {
+                states.list_mixed(layout_, level_ - 1, face, y / 2, mixed_);
+                if constexpr (Coder::kDecodes) states.inherit_row(layout_, level_, face, y / 2, present);
+            }
+            for (const uint32_t greater : mixed_) {
+                code_at(face, 2 * greater, y);
+                if (2 * greater + 1 < across) code_at(face, 2 * greater + 1, y);
             }
         }
     }

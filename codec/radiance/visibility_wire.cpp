@@ -85,40 +85,6 @@ References nearest_receivers(const VisibilityTile& tile, uint32_t receiver) {
     return found;
 }
 
-/// Side, frames and receivers.
-template <typename Coder>
-const char* code_head(Coder& coder, const RadianceLimits& limits, VisibilityTile& tile) {
-    tile.side = coder.plain_bits(8, tile.side);
-    if (tile.side < 1 || tile.side > kMostCubeSide) return "visibility of a cube that cannot be";
-    bits::NumberModel number;
-    const uint32_t receivers = number.code(coder, tile.receivers());
-    if (receivers > std::min(limits.receivers, kMostReceivers) ||
-        uint64_t{receivers} * tile.words_a_receiver() > limits.entries)
-        return "visibility of more receivers than there may be";
-    const uint32_t frames = number.code(coder, static_cast<uint32_t>(tile.frames.size()));
-    if (frames > receivers) return "more frames than receivers";
-    if constexpr (Coder::kDecodes) {
-        tile.frames.resize(frames);
-        tile.frame_of.resize(receivers);
-    }
-    for (uint32_t& code : tile.frames) code = coder.plain_bits(32, code);
-    const auto frame_bits = static_cast<uint32_t>(std::bit_width(frames));
-    bits::BitModel same[2], fresh;
-    uint32_t last = ~0u, last_same = 0, known = 0;
-    for (uint32_t& frame : tile.frame_of) {
-        last_same = coder.bit(same[last_same], frame == last ? 1 : 0);
-        if (last_same != 0)
-            frame = last;
-        else if (coder.bit(fresh, frame == known ? 1 : 0) != 0)
-            frame = known++;
-        else
-            frame = coder.plain_bits(frame_bits, frame);
-        if (frame >= frames) return "a receiver with a frame that is not there";
-        last = frame;
-    }
-    return nullptr;
-}
-
 /// Codes the receivers, each of whose levels goes to the coder of its step.
 template <typename Coder>
 class ReceiverCode {
@@ -194,8 +160,6 @@ std::vector<VisibilityStep> encode_visibility(const VisibilityTile& given) {
     VisibilityTile tile = given;
     clear_below_planes(tile);
     std::array<bits::RangeEncoder, kVisibilitySteps> coders;
-    [[maybe_unused]] const char* wrong = code_head(coders[0], {kMostReceivers, ~uint64_t{0}}, tile);
-    assert(wrong == nullptr);
     std::vector<double> solid_angle(sample_count(tile.side));
     for (uint32_t s = 0; s < solid_angle.size(); ++s) solid_angle[s] = cell_solid_angle(kSamplesAcross * tile.side, s);
     std::vector<VisibilityStep> steps(kVisibilitySteps);
@@ -208,30 +172,53 @@ std::vector<VisibilityStep> encode_visibility(const VisibilityTile& given) {
         }
     }
     for (uint32_t step = 0; step < kVisibilitySteps; ++step) steps[step].bytes = coders[step].finish();
+    steps[0].bytes.insert(steps[0].bytes.begin(), static_cast<std::byte>(tile.side));
     return steps;
 }
 
-Result<VisibilityTile> decode_visibility(std::span<const std::span<const std::byte>> steps,
-                                         const RadianceLimits& limits) {
+Result<uint32_t> visibility_side(std::span<const std::byte> first_step) {
+    const uint32_t side = first_step.empty() ? 0 : std::to_integer<uint32_t>(first_step[0]);
+    if (side < 1 || side > kMostCubeSide) return Error{"visibility of a cube that cannot be", 0};
+    return side;
+}
+
+Status visit_visibility(const VisibilityTile& known, std::span<const std::span<const std::byte>> steps,
+                        const ReceiverVisit& visit) {
     if (steps.empty() || steps.size() > kVisibilitySteps) return Error{"visibility has 1 to 3 steps"};
+    const auto side = visibility_side(steps[0]);
+    if (!side) return side.error();
+    VisibilityTile tile{*side, known.frames, known.frame_of, {}};
     std::vector<bits::RangeDecoder> coders(steps.begin(), steps.end());
-    VisibilityTile tile;
-    if (const char* wrong = code_head(coders[0], limits, tile); wrong != nullptr)
-        return Error{wrong, coders[0].position()};
-    if (!coders[0].ok()) return coders[0].finish().error();
+    coders[0] = bits::RangeDecoder(steps[0].subspan(1));
     ReceiverCode<bits::RangeDecoder> code(tile, coders);
     for (uint32_t r = 0; r < tile.receivers(); ++r) {
         code.code(r, {});
         for (const auto& coder : coders) {
-            if (!coder.ok()) return coder.finish().error();
+            if (!coder.ok()) return coder.finish();
         }
-        const std::vector<uint32_t> words = code.bits(r, static_cast<uint32_t>(steps.size()));
-        tile.words.insert(tile.words.end(), words.begin(), words.end());
+        if (!visit(r, code.bits(r, static_cast<uint32_t>(steps.size())))) return Done{};
     }
     for (const auto& coder : coders) {
-        if (const Status status = coder.finish(); !status) return status.error();
+        if (Status status = coder.finish(); !status) return status;
     }
-    return tile;
+    return Done{};
+}
+
+Result<VisibilityTile> decode_visibility(VisibilityTile known, std::span<const std::span<const std::byte>> steps,
+                                         const RadianceLimits& limits) {
+    const auto side = visibility_side(steps.empty() ? std::span<const std::byte>() : steps[0]);
+    if (!side) return side.error();
+    known.side = *side;
+    known.words.clear();
+    if (known.receivers() > std::min(limits.receivers, kMostReceivers) ||
+        uint64_t{known.receivers()} * known.words_a_receiver() > limits.entries)
+        return Error{"visibility of more receivers than there may be", 0};
+    const Status status = visit_visibility(known, steps, [&](uint32_t, std::span<const uint32_t> bits) {
+        known.words.insert(known.words.end(), bits.begin(), bits.end());
+        return true;
+    });
+    if (!status) return status.error();
+    return known;
 }
 
 }  // namespace citystream::codec::radiance

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -26,14 +27,23 @@ struct VisibilityStep {
     float error = 0;
 };
 
-/// Bits below the receivers' planes are not told. Deterministic. Receivers that see nearly the same should follow each
-/// other, as those of a lattice do. O(samples); 0.5 ms a receiver of 24,576 samples, half of that to
-/// decode.
+/// Frames are not told: they follow from where receivers are (radiance_layer.h). Nor are bits below the receivers'
+/// planes. Deterministic. Receivers that see nearly the same should follow each other, as those of a lattice do.
+/// O(samples).
 std::vector<VisibilityStep> encode_visibility(const VisibilityTile& tile);
 
-/// What steps.size() >= 1 first steps say; any bytes are safe. No more receivers than limits.receivers, and no more
-/// words of bits than limits.entries.
-Result<VisibilityTile> decode_visibility(std::span<const std::span<const std::byte>> steps,
+/// Source texels on a side, of a first step. Error: none that can be.
+Result<uint32_t> visibility_side(std::span<const std::byte> first_step);
+
+/// What steps.size() >= 1 first steps say of receivers with the frames of `known`, whose words are not looked at; any
+/// bytes are safe. No more receivers than limits.receivers, and no more words of bits than limits.entries.
+Result<VisibilityTile> decode_visibility(VisibilityTile known, std::span<const std::span<const std::byte>> steps,
                                          const RadianceLimits& limits);
+
+/// The same receiver by receiver, 0.15 ms each of 24,576 samples: `visit(receiver, bits)` is called for each, in order,
+/// until it returns false or something is wrong with the bytes. Holds 256 receivers at a time.
+using ReceiverVisit = std::function<bool(uint32_t receiver, std::span<const uint32_t> bits)>;
+Status visit_visibility(const VisibilityTile& known, std::span<const std::span<const std::byte>> steps,
+                        const ReceiverVisit& visit);
 
 }  // namespace citystream::codec::radiance

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
+#include <random>
 
 #include "tests/codec/radiance/radiance_scenes.h"
 
@@ -174,6 +175,47 @@ TEST(DistinctRows, GiveAllRowsBackAndKeepEachOnce) {
         EXPECT_EQ(distinct_rows(distinct.rows).rows, distinct.rows);
     }
     EXPECT_EQ(distinct_rows(make_transfer(fence(12, 8), local)).rows.rows(), 3 * 16u);
+}
+
+TEST(DistinctRows, AreMadeReceiverByReceiverWithoutTheWhole) {
+    for (const uint32_t local_side : {1u, 3u, 8u}) {
+        const LocalDirections local(local_side);
+        for (const VisibilityTile& tile : {TowerCity().visibility(32, 8, 0.3), noise(5, 7, 3), fence(12, 8),
+                                           open_sphere(300, 5), open_ground(1), VisibilityTile{8, {}, {}, {}}}) {
+            DistinctRowMaker maker(tile.side, local);
+            for (uint32_t r = 0; r < tile.receivers(); ++r)
+                maker.add(tile.frame_of[r], tile.frames[tile.frame_of[r]], tile.of(r));
+            const uint64_t nonzeros = maker.nonzeros();
+            const DistinctRows made = maker.take(), expected = distinct_rows(make_transfer(tile, local));
+            EXPECT_EQ(made.rows, expected.rows);
+            EXPECT_EQ(made.row_of, expected.row_of);
+            EXPECT_EQ(nonzeros, expected.rows.nonzeros());
+        }
+    }
+}
+
+TEST(LocalOfSamples, IsTheNearestDirectionOfEverySampleAboveThePlane) {
+    std::mt19937_64 random(4);
+    for (const uint32_t local_side : {1u, 4u, 8u, 12u}) {
+        const LocalDirections local(local_side);
+        for (const uint32_t side : {1u, 5u, 16u}) {
+            const Frame frame = unpack_frame(static_cast<uint32_t>(random()));
+            const auto nearest = local_of_samples(frame, side, local);
+            const auto of_texels = local_of_samples(frame, side, local, TransferRule::kTexels);
+            const auto above = samples_above(frame, side);
+            for (uint32_t s = 0; s < sample_count(side); ++s) {
+                const auto direction = cell_direction(kSamplesAcross * side, s);
+                const auto texel = cell_direction(side, texel_of_sample(side, s));
+                ASSERT_EQ((above[s / 32] >> s % 32 & 1) != 0, frame.sees(direction));
+                if (frame.sees(direction)) {
+                    ASSERT_EQ(nearest[s], local.nearest_of_all(frame.to_local(direction)));
+                }
+                if (frame.sees(texel)) {
+                    ASSERT_EQ(of_texels[s], local.nearest_of_all(frame.to_local(texel)));
+                }
+            }
+        }
+    }
 }
 
 }  // namespace

@@ -1,0 +1,293 @@
+#include "codec/radiance/radiance_layer.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+#include "codec/radiance/bicluster.h"
+#include "codec/radiance/place_wire.h"
+#include "codec/radiance/radiance_layer_layout.h"
+#include "codec/radiance/radiance_resident.h"
+#include "codec/radiance/transfer.h"
+#include "codec/radiance/visibility_wire.h"
+
+namespace citystream::codec::radiance {
+
+namespace {
+
+using Steps = std::span<const std::span<const std::byte>>;
+
+/// Of the first step: bake hash, log2 of the spacing, local side, bytes of the places; then these and the visibility.
+constexpr size_t kHashBytes = 8, kSpacingAt = 8, kLocalSideAt = 9, kPlacesAt = 10, kHeadBytes = 14;
+constexpr uint64_t kMostRows = 1 << 24;
+/// More than a layer can take.
+constexpr uint64_t kAnyBytes = uint64_t{1} << 40;
+
+void put_number(std::vector<std::byte>& bytes, uint64_t number, size_t count) {
+    for (size_t i = 0; i < count; ++i) bytes.push_back(static_cast<std::byte>(number >> 8 * i));
+}
+
+uint64_t get_number(std::span<const std::byte> bytes, size_t at, size_t count) {
+    uint64_t number = 0;
+    for (size_t i = 0; i < count; ++i) number |= std::to_integer<uint64_t>(bytes[at + i]) << 8 * i;
+    return number;
+}
+
+/// Numbers the frames of places by their first use.
+void set_frames(VisibilityTile& tile, std::span<const ReceiverPlace> places) {
+    std::unordered_map<uint32_t, uint32_t> known;
+    tile.frame_of.reserve(places.size());
+    for (const ReceiverPlace& place : places) {
+        const uint32_t key = place.surface_class << 16 | uint32_t{static_cast<uint8_t>(place.tilt[0])} << 8 |
+                             static_cast<uint8_t>(place.tilt[1]);
+        const auto [at, is_new] = known.emplace(key, static_cast<uint32_t>(tile.frames.size()));
+        if (is_new) tile.frames.push_back(frame_of_place(place));
+        tile.frame_of.push_back(at->second);
+    }
+}
+
+/// Words that write_receiver_table would make.
+uint64_t table_words(std::span<const ReceiverPlace> places) {
+    uint64_t words = RECEIVER_HEADER_WORDS + places.size();
+    for (size_t first = 0, i = 1; i <= places.size(); ++i) {
+        const ReceiverPlace &last = places[i - 1], &begin = places[first];
+        const bool same_class = i < places.size() && places[i].surface_class == begin.surface_class;
+        if (same_class && places[i].column[1] == begin.column[1]) continue;
+        words += (static_cast<uint64_t>(last.column[0] - begin.column[0]) + 3) / 2;
+        const int32_t rows = same_class ? places[i].column[1] - begin.column[1] : 1;
+        words += static_cast<uint64_t>(rows) * RECEIVER_ROW_WORDS;
+        first = i;
+    }
+    return words;
+}
+
+/// What the first steps hold: the tile without its bits, and where they are.
+struct Prefix {
+    RadianceTile tile;
+    uint32_t local_side = 0;
+    std::vector<std::span<const std::byte>> visibility;
+    std::vector<uint32_t> table;
+    RadianceLimits limits;
+};
+
+Result<Prefix> read_prefix(Steps steps, uint64_t decoded_bytes) {
+    if (steps.empty() || steps.size() > kVisibilitySteps) return Error{"a radiance layer has 1 to 3 steps"};
+    const auto first = steps[0];
+    if (first.size() < kHeadBytes) return Error{"a radiance layer's first step is shorter than its head", first.size()};
+    Prefix prefix;
+    prefix.tile.spacing_log2 = std::to_integer<uint32_t>(first[kSpacingAt]);
+    prefix.local_side = std::to_integer<uint32_t>(first[kLocalSideAt]);
+    if (prefix.tile.spacing_log2 < RECEIVER_LEAST_SPACING || prefix.tile.spacing_log2 > RECEIVER_MOST_SPACING)
+        return Error{"a radiance layer's spacing of 2^" + std::to_string(prefix.tile.spacing_log2), kSpacingAt};
+    if (prefix.local_side < 1 || prefix.local_side > kMostLocalSide)
+        return Error{"a radiance layer's local directions: " + std::to_string(prefix.local_side) + " on a side",
+                     kLocalSideAt};
+    const uint64_t place_bytes = get_number(first, kPlacesAt, kHeadBytes - kPlacesAt);
+    if (place_bytes > first.size() - kHeadBytes) return Error{"a radiance layer's places end behind it", kPlacesAt};
+    constexpr uint64_t kFixedWords = RECEIVER_HEADER_WORDS + RADIANCE_HEADER_WORDS;
+    const uint64_t words = decoded_bytes / sizeof(uint32_t);
+    if (words < kFixedWords) return Error{"a radiance layer of too few decoded bytes"};
+    const uint64_t locals = uint64_t{prefix.local_side} * prefix.local_side;
+    prefix.limits.receivers = static_cast<uint32_t>(
+        std::min({(words - kFixedWords) / (1 + IRRADIANCE_WORDS), kMostRows / locals, uint64_t{RECEIVER_MOST}}));
+    prefix.limits.entries = ~uint64_t{0};
+    auto places =
+        decode_places(first.subspan(kHeadBytes, place_bytes), prefix.tile.spacing_log2, prefix.limits.receivers);
+    if (!places) return Error{places.error().message, places.error().offset + kHeadBytes};
+    prefix.tile.places = std::move(*places);
+    if (table_words(prefix.tile.places) > words) return Error{"a radiance layer's receivers take more than its bytes"};
+    auto table = write_receiver_table(prefix.tile.places, prefix.tile.spacing_log2);
+    if (!table) return table.error();
+    prefix.table = std::move(*table);
+    set_frames(prefix.tile.visibility, prefix.tile.places);
+    prefix.visibility.assign(steps.begin(), steps.end());
+    prefix.visibility[0] = first.subspan(kHeadBytes + place_bytes);
+    return prefix;
+}
+
+/// Each row as a cluster of its own; rows without entries are none.
+Biclusters rows_as_clusters(const Transfer& rows) {
+    Biclusters clusters;
+    clusters.rows = rows.rows();
+    clusters.columns = rows.columns;
+    for (uint32_t j = 0; j < rows.rows(); ++j) {
+        const size_t begin = rows.row_begin[j], count = rows.row_begin[j + 1] - begin;
+        if (count == 0) continue;
+        clusters.add(std::span(&j, 1), std::span(rows.column).subspan(begin, count),
+                     std::span(rows.quarters).subspan(begin, count));
+    }
+    return clusters;
+}
+
+Result<std::vector<uint32_t>> matrix_words(const DistinctRows& distinct, uint32_t local_count, MatrixForm form) {
+    std::vector<uint32_t> rows = make_resident_radiance(rows_as_clusters(distinct.rows), distinct.row_of, local_count);
+    if (rows.empty()) return Error{"a radiance layer's matrix is larger than it can be"};
+    if (form == MatrixForm::kRows) return rows;
+    // Clusters that grow from entries take the fewest sums and the shortest search, measured on city tiles.
+    const Biclusters found = find_biclusters(distinct.rows, {.seeding = Seeding::kEntry});
+    std::vector<uint32_t> clusters = make_resident_radiance(found, distinct.row_of, local_count);
+    return !clusters.empty() && clusters.size() < rows.size() ? clusters : rows;
+}
+
+/// The rows of a prefix. No more entries than fit into so many words.
+Result<DistinctRows> distinct_rows_of(const Prefix& prefix, const LocalDirections& local, uint64_t words) {
+    const auto side = visibility_side(prefix.visibility[0]);
+    if (!side) return side.error();
+    const VisibilityTile& tile = prefix.tile.visibility;
+    DistinctRowMaker rows(*side, local);
+    // An entry takes more bits than its column's.
+    const uint64_t most_entries = 32 * words / std::bit_width(texel_count(*side) - 1);
+    bool fits = true;
+    const Status status =
+        visit_visibility(tile, prefix.visibility, [&](uint32_t receiver, std::span<const uint32_t> bits) {
+            const uint32_t frame = tile.frame_of[receiver];
+            rows.add(frame, tile.frames[frame], bits);
+            fits = rows.nonzeros() <= most_entries;
+            return fits;
+        });
+    if (!status) return status.error();
+    if (!fits) return Error{"a radiance layer's rows take more than its decoded bytes"};
+    return rows.take();
+}
+
+Result<std::vector<uint32_t>> words_of(const Prefix& prefix, uint64_t decoded_bytes, MatrixForm form) {
+    const LocalDirections local(prefix.local_side);
+    const uint64_t most = decoded_bytes / sizeof(uint32_t);
+    const auto distinct = distinct_rows_of(prefix, local, most);
+    if (!distinct) return distinct.error();
+    const auto matrix = matrix_words(*distinct, local.count(), form);
+    if (!matrix) return matrix.error();
+    std::vector<uint32_t> words = prefix.table;
+    words.resize(words.size() + IRRADIANCE_WORDS * prefix.tile.places.size(), 0);
+    words.insert(words.end(), matrix->begin(), matrix->end());
+    if (words.size() > most)
+        return Error{"a radiance layer of " + std::to_string(sizeof(uint32_t) * words.size()) + " bytes, not " +
+                     std::to_string(decoded_bytes)};
+    return words;
+}
+
+Status check_tile(const RadianceTile& tile, uint32_t local_side) {
+    const VisibilityTile& visibility = tile.visibility;
+    if (local_side < 1 || local_side > kMostLocalSide || visibility.side < 1 || visibility.side > kMostCubeSide)
+        return Error{"a radiance layer of directions that cannot be"};
+    if (visibility.receivers() != tile.places.size() ||
+        visibility.words.size() != size_t{visibility.receivers()} * visibility.words_a_receiver())
+        return Error{"a radiance layer's visibility is not that of its receivers"};
+    if (tile.places.size() * local_side * local_side > kMostRows)
+        return Error{"a radiance layer of " + std::to_string(tile.places.size()) + " receivers with " +
+                     std::to_string(local_side * local_side) + " local directions each"};
+    for (size_t i = 0; i < tile.places.size(); ++i) {
+        if (std::abs(int64_t{tile.places[i].depth}) > kMostDepth)
+            return Error{"a radiance layer's receiver " + std::to_string(i) + " is too far away"};
+        const uint32_t frame = visibility.frame_of[i];
+        if (frame >= visibility.frames.size() || visibility.frames[frame] != frame_of_place(tile.places[i]))
+            return Error{"a radiance layer's receiver " + std::to_string(i) + " has a frame that is not its place's"};
+    }
+    return Done{};
+}
+
+}  // namespace
+
+uint32_t frame_of_place(const ReceiverPlace& place) {
+    const uint32_t own = place.surface_class / 2;
+    const double a = place.tilt[0], b = place.tilt[1],
+                 one = place.surface_class % 2 == 0 ? RECEIVER_TILT_ONE : -RECEIVER_TILT_ONE;
+    std::array<double, 3> normal{};
+    normal[own] = one;
+    normal[(own + 1) % 3] = a;
+    normal[(own + 2) % 3] = b;
+    const double length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    return pack_frame({normal[0] / length, normal[1] / length, normal[2] / length});
+}
+
+Result<std::vector<RadianceLayerStep>> encode_radiance_layer(const RadianceTile& tile, uint32_t local_side,
+                                                             uint64_t bake_hash) {
+    if (const Status good = check_tile(tile, local_side); !good) return good.error();
+    if (const auto table = write_receiver_table(tile.places, tile.spacing_log2); !table) return table.error();
+    const std::vector<std::byte> places = encode_places(tile.places, tile.spacing_log2);
+    std::vector<std::byte> head;
+    put_number(head, bake_hash, kHashBytes);
+    put_number(head, tile.spacing_log2, 1);
+    put_number(head, local_side, 1);
+    put_number(head, places.size(), kHeadBytes - kPlacesAt);
+    head.insert(head.end(), places.begin(), places.end());
+
+    std::vector<RadianceLayerStep> steps;
+    std::vector<std::span<const std::byte>> wires;
+    uint64_t told = 0;
+    for (const VisibilityStep& visibility : encode_visibility(tile.visibility)) {
+        RadianceLayerStep& step = steps.emplace_back();
+        step.wire = std::exchange(head, {});
+        step.wire.insert(step.wire.end(), visibility.bytes.begin(), visibility.bytes.end());
+        // A directory has no steps without bytes; the coder reads zeros behind its end anyway.
+        if (step.wire.empty()) step.wire.push_back(std::byte{0});
+        step.error = visibility.error;
+    }
+    for (RadianceLayerStep& step : steps) {
+        wires.emplace_back(step.wire);
+        auto words = decode_radiance_layer(wires, kAnyBytes, MatrixForm::kRows);
+        if (!words) return words.error();
+        const uint64_t bytes = std::max<uint64_t>(sizeof(uint32_t) * words->size(), told);
+        if (bytes > ~uint32_t{0}) return Error{"a radiance layer of more than 4 GiB"};
+        step.decoded_bytes = static_cast<uint32_t>(bytes - told);
+        told = bytes;
+    }
+    return steps;
+}
+
+Result<uint64_t> read_bake_hash(std::span<const std::byte> first_step) {
+    if (first_step.size() < kHeadBytes)
+        return Error{"a radiance layer's first step is shorter than its head", first_step.size()};
+    return get_number(first_step, 0, kHashBytes);
+}
+
+Result<RadianceTile> decode_radiance_tile(Steps steps, uint64_t decoded_bytes) {
+    auto prefix = read_prefix(steps, decoded_bytes);
+    if (!prefix) return prefix.error();
+    auto visibility = decode_visibility(std::move(prefix->tile.visibility), prefix->visibility, prefix->limits);
+    if (!visibility) return visibility.error();
+    prefix->tile.visibility = std::move(*visibility);
+    return std::move(prefix->tile);
+}
+
+Result<std::vector<uint32_t>> decode_radiance_layer(Steps steps, uint64_t decoded_bytes, MatrixForm form) {
+    auto prefix = read_prefix(steps, decoded_bytes);
+    if (!prefix) return prefix.error();
+    return words_of(*prefix, decoded_bytes, form);
+}
+
+Result<RadianceLayerShape> radiance_layer_shape(std::span<const uint32_t> table_header, uint64_t words) {
+    if (table_header.size() < RECEIVER_HEADER_WORDS) return Error{"a radiance layer shorter than its header", 0};
+    if (table_header[RECEIVER_WORD_MAGIC] != RECEIVER_MAGIC) return Error{"not a radiance layer", 0};
+    RadianceLayerShape shape;
+    shape.receivers = table_header[RECEIVER_WORD_COUNT];
+    const uint64_t irradiance = uint64_t{table_header[RECEIVER_WORD_ENTRIES]} + shape.receivers;
+    const uint64_t matrix = irradiance + uint64_t{IRRADIANCE_WORDS} * shape.receivers;
+    if (shape.receivers > RECEIVER_MOST || words > ~uint32_t{0} || matrix + RADIANCE_HEADER_WORDS > words)
+        return Error{"a radiance layer's parts end behind it", RECEIVER_WORD_ENTRIES * sizeof(uint32_t)};
+    shape.irradiance_word = static_cast<uint32_t>(irradiance);
+    shape.matrix_word = static_cast<uint32_t>(matrix);
+    return shape;
+}
+
+Result<RadianceLayerView> RadianceLayerView::create(std::span<const uint32_t> words) {
+    const auto shape = radiance_layer_shape(words, words.size());
+    if (!shape) return shape.error();
+    RadianceLayerView view;
+    view.words_ = words;
+    view.shape_ = *shape;
+    if (const auto table = ReceiverTableView::create(view.table()); !table) return table.error();
+    const auto matrix = ResidentRadianceView::create(view.matrix());
+    if (!matrix)
+        return Error{matrix.error().message, matrix.error().offset + sizeof(uint32_t) * uint64_t{shape->matrix_word}};
+    if (matrix->receivers() != view.receivers())
+        return Error{"a radiance layer's matrix is not that of its receivers",
+                     sizeof(uint32_t) * (uint64_t{shape->matrix_word} + RADIANCE_WORD_RECEIVERS)};
+    return view;
+}
+
+}  // namespace citystream::codec::radiance
