@@ -54,7 +54,9 @@ struct Arguments {
         precision{layers::kPositionPrecisionNames[0]};
     uint32_t normal_bits = layers::MeshForm().normal_bits;
     std::string mesh_steps = "auto";
-    std::optional<std::string> page_mips, page_shape;  ///< of pages; not given: what BuildOptions has
+    std::optional<std::string> page_mips, page_shape;               ///< of pages; not given: what BuildOptions has
+    std::optional<uint32_t> lattice, directions, local_directions;  ///< of radiance; not given: what BuildOptions has
+    bool rebake = false;
     bool json = false;
 };
 
@@ -172,7 +174,7 @@ void print_defects(const city::CityReport& report) {
                report.defect_count > kDefectsShown ? " (all of them: --report FILE.json)" : "");
 }
 
-/// What was done to images, and facades that were added or found, as JSON; empty where there was nothing to do.
+/// What was done to images, facades that were added or found, and light, as JSON; empty where there was nothing to do.
 nlohmann::json work_json(const layers::BuildSummary& summary) {
     nlohmann::json out = nlohmann::json::object();
     if (summary.images) {
@@ -230,7 +232,30 @@ nlohmann::json work_json(const layers::BuildSummary& summary) {
                          {"largest_error_metres", r.largest_error},
                          {"mean_error_metres", r.mean_error}};
     }
+    if (summary.radiance) {
+        const layers::RadianceReport& r = *summary.radiance;
+        out["radiance"] = {{"tiles", r.tiles},
+                           {"baked", r.baked},
+                           {"reused", r.reused},
+                           {"widened", r.widened},
+                           {"left_out", r.left_out},
+                           {"receivers_baked", r.receivers},
+                           {"rays", r.rays},
+                           {"seconds", r.seconds},
+                           {"thread_seconds", {{"bake", r.bake_seconds}, {"encode", r.encode_seconds}}},
+                           {"horizon_bytes", r.horizon_bytes}};
+    }
     return out;
+}
+
+void print_radiance(const layers::BuildSummary& summary) {
+    if (!summary.radiance) return;
+    const layers::RadianceReport& r = *summary.radiance;
+    fmt::print(
+        "  lit      {:>12} tiles{}; {} receivers and {:.1f} million rays in {} that were baked, {} unchanged; "
+        "{:.1f} s\n",
+        r.tiles, r.left_out > 0 ? fmt::format(", {} left out", r.left_out) : "", r.receivers,
+        static_cast<double>(r.rays) / 1e6, r.baked, r.reused, r.seconds);
 }
 
 void print_images(const layers::BuildSummary& summary) {
@@ -284,6 +309,7 @@ void print_summary(const layers::BuildSummary& summary, const Arguments& argumen
     }
     print_images(summary);
     print_facade_work(summary);
+    print_radiance(summary);
     if (m.shared_chart_count > 0) {
         fmt::print("  charts   {:>12} bytes of {} that tiles share\n", m.chart_index_bytes + m.chart_levels_bytes,
                    m.shared_chart_count);
@@ -306,9 +332,8 @@ Status read_values(Arguments& arguments, layers::BuildOptions& options) {
     const auto memory = parse_bytes(arguments.memory);
     if (!memory) return wrong_value("--memory-limit", arguments.memory + " is not a size such as 2GiB");
     const auto layer_set = parse_layers(arguments.layers);
-    if (!layer_set) return wrong_value("--layers", arguments.layers + " is not of mesh, facade, atlas; mesh is needed");
-    if ((*layer_set)[static_cast<size_t>(tileset::Layer::kRadiance)])
-        return Error{"this version builds no radiance layer; leave it out of --layers"};
+    if (!layer_set)
+        return wrong_value("--layers", arguments.layers + " is not of mesh, facade, atlas, radiance; mesh is needed");
     const auto origin = parse_origin(arguments.origin);
     if (!origin) return wrong_value("--origin", arguments.origin + " is not X,Y");
     const auto saliency = codec::atlas::parse_metric(arguments.saliency);
@@ -363,12 +388,35 @@ Status read_mesh_form(const Arguments& arguments, layers::MeshForm& form) {
     return Done{};
 }
 
+/// What only the layer radiance has.
+Status read_radiance_form(const Arguments& arguments, layers::BuildOptions& options) {
+    const bool asked = options.layers[static_cast<size_t>(tileset::Layer::kRadiance)];
+    layers::RadianceForm& form = options.radiance;
+    form.lattice_metres = arguments.lattice.value_or(form.lattice_metres);
+    form.texels_across = arguments.directions.value_or(form.texels_across);
+    form.local_across = arguments.local_directions.value_or(form.local_across);
+    form.reuse = !arguments.rebake;
+    if (!asked) {
+        const char* given = arguments.lattice            ? "--lattice"
+                            : arguments.directions       ? "--directions"
+                            : arguments.local_directions ? "--local-directions"
+                            : arguments.rebake           ? "--rebake"
+                                                         : nullptr;
+        if (given == nullptr) return Done{};
+        return Error{fmt::format("{} is of the layer radiance: add it to --layers", given)};
+    }
+    if (!layers::radiance_can_be_built())
+        return wrong_value("--layers", layers::check_radiance_form(form).error().text() + "; leave it out");
+    return layers::check_radiance_form(form);
+}
+
 /// All but the aerial photographs. Error: wrong usage, one line.
 Result<layers::BuildOptions> options_of(Arguments& arguments, ProgressBar& bar) {
     layers::BuildOptions options;
     if (const Status read = read_values(arguments, options); !read) return read.error();
     if (const Status read = read_atlas_form(arguments, options); !read) return read.error();
     if (const Status read = read_mesh_form(arguments, options.mesh); !read) return read.error();
+    if (const Status read = read_radiance_form(arguments, options); !read) return read.error();
     options.output = arguments.output;
     options.reference = arguments.reference;
     options.jobs = arguments.jobs;
@@ -486,9 +534,30 @@ void add_mesh_options(CLI::App& app, Arguments& arguments) {
         ->capture_default_str();
 }
 
+void add_radiance_options(CLI::App& app, Arguments& arguments) {
+    const layers::RadianceForm usual;
+    app.add_option("--lattice", arguments.lattice,
+                   fmt::format("metres between the places where light is gathered, in leaves: 1, 2, 4, 8 or {} "
+                               "[default: {}]; of the layer radiance, as all that follows",
+                               layers::kMostLatticeMetres, usual.lattice_metres))
+        ->check(CLI::IsMember({1U, 2U, 4U, 8U, layers::kMostLatticeMetres}));
+    app.add_option("--directions", arguments.directions,
+                   fmt::format("directions that light comes from: 6 N^2, on a cube N across, 1 to {} [default: {}]",
+                               codec::radiance::kMostCubeSide, usual.texels_across))
+        ->check(command_line::number_from(1U, codec::radiance::kMostCubeSide));
+    app.add_option("--local-directions", arguments.local_directions,
+                   fmt::format("directions of a place's own hemisphere: M^2, 1 to {} across [default: {}]",
+                               codec::radiance::kMostLocalSide, usual.local_across))
+        ->check(command_line::number_from(1U, codec::radiance::kMostLocalSide));
+    app.add_flag("--rebake", arguments.rebake,
+                 "take nothing from the archive that is replaced (tiles whose surroundings did not change are copied "
+                 "from it; the bytes are the same)");
+}
+
 void add_build_options(CLI::App& app, Arguments& arguments) {
     app.add_option("-o,--output", arguments.output, "archive to write (.3tz)");
-    app.add_option("--layers", arguments.layers, "layers to build: mesh,facade,atlas")->capture_default_str();
+    app.add_option("--layers", arguments.layers, "layers to build, of mesh,facade,atlas,radiance")
+        ->capture_default_str();
     app.add_option("--jobs", arguments.jobs, "threads (0: all cores); the bytes do not depend on it")
         ->capture_default_str();
     app.add_option("--memory-limit", arguments.memory, "working memory, such as 2GiB")->capture_default_str();
@@ -539,6 +608,7 @@ void add_build_options(CLI::App& app, Arguments& arguments) {
                    "daly, ahumada, hvse, flip (largest error) or ssim (least similarity)")
         ->capture_default_str();
     add_mesh_options(app, arguments);
+    add_radiance_options(app, arguments);
     app.add_flag("--json", arguments.json, "print the summary as JSON");
 }
 
@@ -559,6 +629,7 @@ int main(int argc, char** argv) {
         "  citystream-build tiles/*.gml -o city.3tz --reference city.glb --report skipped.json\n"
         "  citystream-build generate --buildings 1000 --seed 1 -o city.3tz\n"
         "  citystream-build plain.city.jsonl --dress 1 -o city.3tz\n"
+        "  citystream-build city.city.jsonl --layers mesh,facade,atlas,radiance --lattice 4 -o city.3tz\n"
         "  citystream-build info city.3tz --json\n"
         "  citystream-build verify city.3tz");
     app.add_option("INPUT", arguments.inputs, "city models; several make one city");

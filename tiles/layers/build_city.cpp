@@ -13,6 +13,7 @@
 #include "tiles/layers/city_archive.h"
 #include "tiles/layers/flat_ground.h"
 #include "tiles/layers/memory_plan.h"
+#include "tiles/layers/radiance_stage.h"
 #include "tiles/layers/reference_glb.h"
 #include "tiles/layers/tile_pipeline.h"
 
@@ -55,6 +56,7 @@ class CityBuild {
             summary.dressing->hidden_by_neighbours = hidden_facades_;
         }
         if (extractor_ && extractor_->report().buildings > 0) summary.relief = extractor_->report();
+        if (radiance_) summary.radiance = radiance_->report();
         return summary;
     }
 
@@ -119,7 +121,7 @@ class CityBuild {
 
     Status build() {
         const bool made_up_ground = options_.auto_ground && !objects_->has_ground();
-        auto tree = quadtree::make_tile_tree(*objects_, {options_.leaf_triangles, made_up_ground});
+        auto tree = quadtree::make_tile_tree(*objects_, tree_options(made_up_ground));
         if (!tree) return tree.error();
         clock_.lap("tree");
         const auto prepared = prepare_city_images();
@@ -138,12 +140,16 @@ class CityBuild {
             catalog_, images, facades, *numbers, options_.layers, tree->origin, {options_.rate_distortion}};
         workshop.mesh = options_.mesh;
         ChartDictionary charts;
+        if (Status status = prepare_radiance(*tree, memory.work); !status) return status;
         auto tiles = build_tiles({options_, *tree, *objects_, *layer_spool_, *content_spool_, workshop, charts,
-                                  *chart_spool_, preview, clock_, memory.work, made_up_ground});
+                                  *chart_spool_, preview, clock_, memory.work, made_up_ground, radiance_.get()});
         if (!tiles) return tiles.error();
         for (const BuiltTile& tile : *tiles) {
             hidden_facades_ += tile.hidden_facades;
             tiles_kept_in_charts_ += tile.kept_in_charts ? 1 : 0;
+        }
+        if (radiance_) {
+            for (city::Defect& defect : radiance_->take_defects()) report_.add(std::move(defect));
         }
         fill_manifest(*tree, tiles->front().record.bounds, made_up_ground);
         manifest_.build_options += merging_text(*numbers);
@@ -184,8 +190,25 @@ class CityBuild {
         return prepared;
     }
 
+    /// Leaves are split so that the lattice of a tile has no more columns than it is meant to.
+    quadtree::TreeOptions tree_options(bool made_up_ground) const {
+        quadtree::TreeOptions tree{options_.leaf_triangles, made_up_ground};
+        if (has_radiance()) tree.widest_leaf_metres = kLatticeColumns * options_.radiance.lattice_metres;
+        return tree;
+    }
+
+    Status prepare_radiance(const quadtree::TileTree& tree, uint64_t work_bytes) {
+        if (!has_radiance()) return Done{};
+        auto stage = RadianceStage::create(
+            {options_, tree, objects_->extent().lo.z, folder_->path(), *layer_spool_, work_bytes});
+        if (!stage) return stage.error();
+        radiance_ = std::move(stage).value();
+        return Done{};
+    }
+
     bool in_pages() const { return options_.atlas_form == codec::atlas::AtlasForm::kPages; }
     bool has_atlas() const { return options_.layers[static_cast<size_t>(tileset::Layer::kAtlas)]; }
+    bool has_radiance() const { return options_.layers[static_cast<size_t>(tileset::Layer::kRadiance)]; }
 
     /// The dictionary; empty where no tile will name its maps.
     Result<EncodedFacades> encode_facades(const FacadeNumbers& numbers) {
@@ -231,6 +254,11 @@ class CityBuild {
             manifest_.build_options += fmt::format(" rate-distortion={}", options_.rate_distortion);
         if (in_pages() && has_atlas()) manifest_.build_options += pages_text();
         manifest_.build_options += to_string(options_.mesh);
+        if (!has_radiance()) return;
+        manifest_.radiance_texels_across = options_.radiance.texels_across;
+        manifest_.radiance_local_across = options_.radiance.local_across;
+        manifest_.radiance_lattice_metres = options_.radiance.lattice_metres;
+        manifest_.build_options += to_string(options_.radiance);
     }
 
     std::string pages_text() const {
@@ -255,6 +283,7 @@ class CityBuild {
     std::unique_ptr<quadtree::ObjectSpool> objects_;
     std::unique_ptr<quadtree::SpoolFile> layer_spool_, content_spool_, facade_spool_, chart_spool_;
     std::unique_ptr<ReferenceWriter> reference_;
+    std::unique_ptr<RadianceStage> radiance_;
 };
 
 }  // namespace
@@ -268,6 +297,9 @@ Result<BuildSummary> build_city(const BuildOptions& options, const CitySource& s
             return Error{fmt::format("pages of {} mips; at most {} are possible", *options.page_mips, PAGES_MOST_MIPS)};
     }
     if (Status good = check_mesh_form(options.mesh); !good) return good.error();
+    if (options.layers[static_cast<size_t>(tileset::Layer::kRadiance)]) {
+        if (Status good = check_radiance_form(options.radiance); !good) return good.error();
+    }
     return CityBuild(options, report).run(source);
 }
 

@@ -18,6 +18,7 @@
 #include "tiles/layers/dress.h"
 #include "tiles/layers/image_preparation.h"
 #include "tiles/layers/mesh_form.h"
+#include "tiles/layers/radiance_form.h"
 #include "tiles/layers/relief_extraction.h"
 #include "tiles/layers/stage_clock.h"
 #include "tiles/layers/texture_law.h"
@@ -43,6 +44,7 @@ struct BuildOptions {
     /// 0.9907, 0.0251, 1.20; 8: 40.05, 0.9900, 0.0269, 1.08; 16: 39.82, 0.9884, 0.0285, 0.95.
     uint32_t rate_distortion = 4;
     MeshForm mesh;
+    RadianceForm radiance;      ///< of the layer radiance, where it is asked for
     bool shared_charts = true;  ///< pictures that several tiles show are stored once, in the chart dictionary; of
                                 ///< charts only
     codec::atlas::AtlasForm atlas_form = codec::atlas::AtlasForm::kCharts;
@@ -92,10 +94,11 @@ struct BuildSummary {
     std::optional<ImagePreparationReport> images;  ///< where the city has images
     std::optional<DressReport> dressing;           ///< where it was asked for
     std::optional<ReliefExtractionReport> relief;  ///< where it was asked for and a building was looked at
+    std::optional<RadianceReport> radiance;        ///< where the layer was asked for
 };
 
 /// Builds. `report` is filled also when the build fails. Error: no objects, unreadable input, disk, interrupted, pages
-/// asked to share charts or to have too many mips, normals of bits that there are not.
+/// asked to share charts or to have too many mips, normals of bits that there are not, check_radiance_form.
 Result<BuildSummary> build_city(const BuildOptions& options, const CitySource& source, city::CityReport& report);
 
 }  // namespace citystream::tiles::layers

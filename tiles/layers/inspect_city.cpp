@@ -8,6 +8,7 @@
 #include "codec/atlas/atlas_form.h"
 #include "codec/facade/facade_layer.h"
 #include "codec/mesh/mesh_layer.h"
+#include "codec/radiance/radiance_layer.h"
 #include "codec/step_wire.h"
 #include "tiles/archive/archive.h"
 #include "tiles/layers/inspect_charts.h"
@@ -85,11 +86,25 @@ class Verifier {
         }
         if (charts == 0) charts = UINT32_MAX >> 8;  // the atlas is damaged and named already: only this check is lost
         check_mesh(tile, charts);
+        check_radiance(tile);
         if (const auto facade = decode(tile, Layer::kFacade)) {
             const auto view =
                 codec::facade::decode_facades(facade->words, static_cast<uint32_t>(manifest_.facade_map_count), charts);
             if (!view) say(tileset::layer_path(Layer::kFacade, tile.address), view.error().text());
         }
+    }
+
+    void check_radiance(const TileRecord& tile) {
+        const auto wire = steps_of(tile, Layer::kRadiance);
+        if (!wire || wire->empty()) return;
+        uint64_t decoded_bytes = 0;
+        for (const tileset::StepRecord& step : tile.steps(Layer::kRadiance)) decoded_bytes += step.decoded_bytes;
+        const auto words =
+            codec::radiance::decode_radiance_layer(*wire, decoded_bytes, codec::radiance::MatrixForm::kRows);
+        const std::string path = tileset::layer_path(Layer::kRadiance, tile.address);
+        if (!words) return say(path, words.error().text());
+        const auto view = codec::radiance::RadianceLayerView::create(*words);
+        if (!view) say(path, view.error().text());
     }
 
     void check_mesh(const TileRecord& tile, uint32_t charts) {
@@ -170,6 +185,12 @@ nlohmann::json manifest_json(const tileset::Manifest& m) {
     for (size_t layer = 0; layer < tileset::kLayerCount; ++layer) {
         out["layers"][tileset::kLayerNames[layer]] = {{"wire_bytes", m.wire_bytes[layer]},
                                                       {"decoded_bytes", m.decoded_bytes[layer]}};
+    }
+    if (m.has_layer[static_cast<size_t>(Layer::kRadiance)]) {
+        nlohmann::json& radiance = out["layers"]["radiance"];
+        radiance["texels_across"] = m.radiance_texels_across;
+        radiance["local_across"] = m.radiance_local_across;
+        radiance["lattice_metres"] = m.radiance_lattice_metres;
     }
     return out;
 }

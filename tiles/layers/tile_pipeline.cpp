@@ -12,6 +12,7 @@
 #include "tiles/layers/image_uses.h"
 #include "tiles/layers/memory_pass.h"
 #include "tiles/layers/party_walls.h"
+#include "tiles/layers/radiance_stage.h"
 
 namespace citystream::tiles::layers {
 namespace {
@@ -113,6 +114,10 @@ class Pipeline {
         });
         if (!status) return status.error();
         in_.clock.lap("tiles");
+        if (in_.radiance != nullptr) {
+            if (Status baked = in_.radiance->run(built_); !baked) return baked.error();
+            in_.clock.lap("radiance");
+        }
         include_children();
         return std::move(built_);
     }
@@ -210,6 +215,9 @@ class Pipeline {
         if (!content) return content.error();
         pass.change(bytes_of(at) + kBytesPerTexel * own_texels_of(specs_[at], *content, workshop_));
         if (in_.tree.nodes[at].leaf) in_.preview.draw(content->objects);
+        if (in_.radiance != nullptr) {
+            if (Status added = in_.radiance->add(at, content->objects); !added) return added;
+        }
         return keep(at, encode_tile(specs_[at], *content, workshop_));
     }
 

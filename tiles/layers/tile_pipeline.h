@@ -22,6 +22,8 @@ struct BuiltTile {
     bool kept_in_charts = false;  ///< as EncodedTile
 };
 
+class RadianceStage;
+
 struct PipelineInput {
     const BuildOptions& options;
     const quadtree::TileTree& tree;
@@ -35,6 +37,7 @@ struct PipelineInput {
     StageClock& clock;
     uint64_t work_bytes = 0;  ///< that threads may hold while they make tiles and charts
     bool made_up_ground = false;
+    RadianceStage* radiance = nullptr;  ///< null: no radiance layer
 };
 
 /// Builds all tiles; result[i] belongs to tree.nodes[i]. Bounds and errors hold for everything below a tile.

@@ -26,8 +26,9 @@ class Splitter {
         node.begin = begin;
         node.end = end;
         node.weight = weight_before_[end] - weight_before_[begin];
-        node.leaf =
-            node.weight <= options_.leaf_triangles || tree_.side(address.level) <= (int64_t{1} << kCellGridBits);
+        const int64_t side = tree_.side(address.level);
+        const bool wide = begin != end && static_cast<uint64_t>(side >> kGridBits) > options_.widest_leaf_metres;
+        node.leaf = (node.weight <= options_.leaf_triangles && !wide) || side <= (int64_t{1} << kCellGridBits);
         tree_.nodes.push_back(node);
         if (!node.leaf) split_children(at);
         return at;

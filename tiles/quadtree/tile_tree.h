@@ -19,8 +19,9 @@ struct TileNode {
 };
 
 struct TreeOptions {
-    uint64_t leaf_triangles = 8192;  ///< a tile with more is split, down to 64 m
-    bool cover_extent = false;       ///< make tiles without objects too, so that the ground is whole
+    uint64_t leaf_triangles = 8192;                   ///< a tile with more is split, down to 64 m
+    bool cover_extent = false;                        ///< make tiles without objects too, so that the ground is whole
+    uint64_t widest_leaf_metres = uint64_t{1} << 32;  ///< a wider tile with objects is split, down to 64 m
 };
 
 struct TileTree {

@@ -66,15 +66,19 @@ void HeightGrid::add(const SurfaceTriangle& triangle) {
             const auto highest = one_cell
                                      ? std::optional(z.high)
                                      : highest_within(triangle, {cell_x * kHeightCell, cell_y * kHeightCell, z.low});
-            if (!highest) continue;
-            int32_t& height = heights_[place_of({cell_x, cell_y})];
-            height = std::max(height, static_cast<int32_t>(*highest - base_));
+            if (highest) raise({cell_x, cell_y}, *highest);
         }
     }
 }
 
 void HeightGrid::add(std::span<const SurfaceTriangle> triangles) {
     for (const SurfaceTriangle& triangle : triangles) add(triangle);
+}
+
+void HeightGrid::raise(HeightCell cell, int64_t height) {
+    if (!holds(cell)) return;
+    int32_t& there = heights_[place_of(cell)];
+    there = std::max(there, static_cast<int32_t>(height - base_));
 }
 
 HeightGrid HeightGrid::part(HeightCell low, HeightCell high) const {
@@ -88,9 +92,13 @@ HeightGrid HeightGrid::part(HeightCell low, HeightCell high) const {
 }
 
 std::optional<int64_t> HeightGrid::height(HeightCell cell) const {
-    if (cell.x < low_.x || cell.x > high_.x || cell.y < low_.y || cell.y > high_.y) return std::nullopt;
+    if (!holds(cell)) return std::nullopt;
     const int32_t height = heights_[place_of(cell)];
     return height == kNothing ? std::nullopt : std::optional(base_ + height);
+}
+
+bool HeightGrid::holds(HeightCell cell) const {
+    return cell.x >= low_.x && cell.x <= high_.x && cell.y >= low_.y && cell.y <= high_.y;
 }
 
 size_t HeightGrid::place_of(HeightCell cell) const {

@@ -37,6 +37,8 @@ class HeightGrid {
     /// what is outside of the grid is left out. The order of triangles does not matter.
     void add(const SurfaceTriangle& triangle);
     void add(std::span<const SurfaceTriangle> triangles);
+    /// Raises one cell to a height, absolute grid units.
+    void raise(HeightCell cell, int64_t height);
 
     /// The cells low..high of it; those outside of it have no height. Precondition: low <= high.
     HeightGrid part(HeightCell low, HeightCell high) const;
@@ -47,6 +49,7 @@ class HeightGrid {
     std::optional<int64_t> height(HeightCell cell) const;
 
   private:
+    bool holds(HeightCell cell) const;
     size_t place_of(HeightCell cell) const;
 
     HeightCell low_, high_;

@@ -195,6 +195,7 @@ Result<BakedTile> bake_tile(const BakeInput& input, const BakeOptions& options) 
         return Error{"a tile's lattice has " + std::to_string(result.receivers.size()) + " receivers, " +
                      std::to_string(codec::radiance::kMostReceivers) + " are possible: a wider lattice has fewer"};
     }
+    if (options.placed) options.placed(result.receivers.size());
     if (!cast_visibility(result.receivers, *scene, options, result)) return Error{"interrupted"};
     return result;
 }

@@ -33,6 +33,8 @@ struct BakeOptions {
     uint32_t texels_across = 32;  ///< n of the source: 1..codec::radiance::kMostCubeSide
     OccluderReach reach = {};
     const std::atomic<bool>* cancel = nullptr;  ///< set from elsewhere: the bake ends soon
+    /// How many receivers there are, before their bits take memory and their rays time; from the thread that bakes.
+    std::function<void(uint64_t receivers)> placed{};
     /// Receivers; called from any thread, one call at a time.
     std::function<void(uint64_t done, uint64_t total)> progress{};
 };

@@ -121,7 +121,10 @@ struct Manifest {
     uint64_t chart_index_decoded_bytes = 0;
     uint64_t chart_index_checksum = 0;
     uint64_t chart_levels_bytes = 0;  ///< of the entry charts/levels
-    std::string build_options;        ///< what the builder was asked for, for people
+    /// Of the layer radiance, where the city has it: texels on a side of the source cube (1..64), local directions on a
+    /// side (1..32), spacing of the leaves' lattices in metres (1..64).
+    uint32_t radiance_texels_across = 32, radiance_local_across = 8, radiance_lattice_metres = 4;
+    std::string build_options;  ///< what the builder was asked for, for people
     friend bool operator==(const Manifest&, const Manifest&) = default;
 
     double side_metres(uint32_t level) const {

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "codec/radiance/local_directions.h"
+#include "codec/radiance/source_directions.h"
 #include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/json_fields.h"
 #include "tiles/tileset/tile_schema.h"
@@ -18,6 +20,7 @@ constexpr int64_t kMaxOriginUnits = int64_t{1} << 50;
 constexpr int64_t kOriginStepUnits = int64_t{128} << kGridBits;
 constexpr double kMaxError = 1e12;
 constexpr uint64_t kMaxTotal = UINT64_MAX;
+constexpr uint32_t kMostLatticeMetres = 64;
 constexpr std::array<const char*, kLayerCount> kErrorUnits = {"metre", "metre", "metrePerTexel", "relativeRadiance"};
 
 // The root square with the city's extent of heights, as 3D Tiles writes boxes: centre, then three half axes, in the
@@ -85,6 +88,11 @@ OrderedJson layers_json(const Manifest& manifest) {
         layer["errorUnit"] = kErrorUnits[i];
         layer["wireBytes"] = exact_integer(manifest.wire_bytes[i]);
         layer["decodedBytes"] = exact_integer(manifest.decoded_bytes[i]);
+        if (static_cast<Layer>(i) == Layer::kRadiance) {
+            layer["texelsAcross"] = manifest.radiance_texels_across;
+            layer["localAcross"] = manifest.radiance_local_across;
+            layer["latticeMetres"] = manifest.radiance_lattice_metres;
+        }
         layers[kLayerNames[i]] = std::move(layer);
     }
     return layers;
@@ -188,6 +196,15 @@ void read_charts(const JsonFields& charts, Manifest& manifest) {
     charts.require(charts.text("levelsUri") == kChartLevelsPath, "levelsUri", "is not \"charts/levels\"");
 }
 
+void read_radiance(const JsonFields& layer, Manifest& manifest) {
+    const auto read = [&layer](const char* key, uint32_t most) {
+        return static_cast<uint32_t>(layer.integer(key, 1, most));
+    };
+    manifest.radiance_texels_across = read("texelsAcross", codec::radiance::kMostCubeSide);
+    manifest.radiance_local_across = read("localAcross", codec::radiance::kMostLocalSide);
+    manifest.radiance_lattice_metres = read("latticeMetres", kMostLatticeMetres);
+}
+
 void read_contents(const JsonFields& extension, Manifest& manifest) {
     const JsonFields totals = extension.object("totals");
     manifest.buildings = totals.count("buildings", kMaxTotal);
@@ -206,6 +223,7 @@ void read_contents(const JsonFields& extension, Manifest& manifest) {
                       "is not the template of this version");
         manifest.wire_bytes[i] = layer.count("wireBytes", kMaxTotal);
         manifest.decoded_bytes[i] = layer.count("decodedBytes", kMaxTotal);
+        if (static_cast<Layer>(i) == Layer::kRadiance) read_radiance(layer, manifest);
     }
     read_facades(extension.object("facadeDictionary"), manifest);
     if (extension.has("chartDictionary")) read_charts(extension.object("chartDictionary"), manifest);

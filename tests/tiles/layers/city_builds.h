@@ -121,7 +121,7 @@ inline OpenCity open_city(const std::string& path) {
         const auto bytes = city.reader->find(tileset::subtree_path(open.front()));
         city.greatest_subtree_bytes = std::max<uint64_t>(city.greatest_subtree_bytes, bytes.size());
         const auto subtree = tileset::parse_subtree(bytes, open.front(), city.manifest);
-        EXPECT_TRUE(subtree.ok());
+        EXPECT_TRUE(subtree.ok()) << subtree.error().text();
         if (!subtree) return city;
         for (const tileset::TileRecord& tile : subtree->tiles) city.tiles[tile.address] = tile;
         open.insert(open.end(), subtree->child_subtrees.begin(), subtree->child_subtrees.end());

@@ -79,6 +79,31 @@ TEST(TilesetJson, SaysWhetherThereArePagesOrAlpha) {
     EXPECT_FALSE(parse_tileset_json(bytes_of(replaced(json, property, ""))).ok());
 }
 
+TEST(TilesetJson, TheRadianceLayerSaysHowItWasBakedOnlyWhereItIsThere) {
+    Manifest manifest = small_city().manifest;
+    EXPECT_EQ(write_tileset_json(manifest).find("texelsAcross"), std::string::npos);
+    manifest.has_layer[static_cast<size_t>(Layer::kRadiance)] = true;
+    manifest.radiance_texels_across = 16;
+    manifest.radiance_local_across = 12;
+    manifest.radiance_lattice_metres = 2;
+    const std::string json = write_tileset_json(manifest);
+    const auto back = parse_tileset_json(bytes_of(json));
+    ASSERT_TRUE(back.ok()) << back.error().text();
+    EXPECT_EQ(*back, manifest);
+    const std::vector<std::array<std::string, 3>> kCases = {
+        {"\"texelsAcross\": 16", "\"texelsAcross\": 65", "layers.radiance.texelsAcross"},
+        {"\"texelsAcross\": 16", "\"texelsAcross\": 0", "layers.radiance.texelsAcross"},
+        {"\"localAcross\": 12", "\"localAcross\": 33", "layers.radiance.localAcross"},
+        {"\"latticeMetres\": 2", "\"latticeMetres\": 128", "layers.radiance.latticeMetres"},
+        {"\"latticeMetres\"", "\"lattice\"", "layers.radiance.latticeMetres"},
+    };
+    for (const auto& [from, to, named] : kCases) {
+        const auto parsed = parse_tileset_json(bytes_of(replaced(json, from, to)));
+        ASSERT_FALSE(parsed.ok()) << from << " -> " << to;
+        EXPECT_NE(parsed.error().message.find(named), std::string::npos) << parsed.error().message;
+    }
+}
+
 TEST(TilesetJson, ManifestsComeBackExactly) {
     for (uint32_t seed = 0; seed < 20; ++seed) {
         Manifest manifest = make_synthetic_city(seed, 1 + seed % 5, 1 + seed % 4).manifest;
