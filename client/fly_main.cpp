@@ -15,6 +15,7 @@
 #include <optional>
 #include <thread>
 
+#include "client/light/flight_light.h"
 #include "client/path/camera_path.h"
 #include "client/path/frame_size.h"
 #include "client/reference/reference_renderer.h"
@@ -48,6 +49,9 @@ struct FlyOptions {
         occlusion = "on", chart_transport{chart_transport_name(ChartTransport::kTable)};
     double tolerance = 1, fps = 10;
     std::optional<double> relief_tolerance, texel_tolerance, position_tolerance;
+    LightArguments light;
+    std::optional<double> light_tolerance;
+    std::string matrix;
     std::string facade_tint = "0";
     uint32_t supersample = 1, facade_samples = kFacadeSamples;
     bool list_devices = false, validation = false, json = false;
@@ -60,6 +64,9 @@ struct FlyOptions {
     ReliefOptions relief;
     codec::atlas::FacadeTint tint;
 };
+
+constexpr double kLightTolerance = 0.05;
+constexpr const char* kBiclusters = "biclusters";
 
 std::vector<std::string> facade_renderer_names() {
     std::vector<std::string> names;
@@ -75,6 +82,20 @@ int fail(const std::string& what, int code = command_line::kFailed) {
 
 double milliseconds_since(Clock::time_point begin) {
     return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+Status check_light_options(const FlyOptions& options) {
+    const Status light = check_light_arguments(options.light);
+    if (!light) return light.error();
+    if (!options.light.asked_for()) {
+        const char* without = options.light_tolerance   ? "--light-tolerance"
+                              : !options.matrix.empty() ? "--matrix"
+                                                        : nullptr;
+        if (without != nullptr) return Error{fmt::format("{} needs --environment or --environment-path", without)};
+    } else if (!options.reference.empty()) {
+        return Error{"--reference draws without the light of an environment: leave one of the two out"};
+    }
+    return Done{};
 }
 
 Status parse_values(FlyOptions& options) {
@@ -109,6 +130,8 @@ Status parse_values(FlyOptions& options) {
     if (!relief) return relief.error();
     options.relief = *relief;
     if (options.path.empty()) return Error{"--path PATH.csv is required"};
+    const Status light = check_light_options(options);
+    if (!light) return light.error();
     if (options.place.empty() && options.reference.empty()) return Error{"a URL, a .3tz file or a folder is required"};
     return Done{};
 }
@@ -284,6 +307,12 @@ FlightDescription describe(const FlyOptions& options, const std::string& device)
     description.facade_samples = options.facade_samples;
     description.chart_transport = options.chart_transport;
     description.facade_tint = options.facade_tint;
+    if (options.light.asked_for()) {
+        description.environment = options.light.environment;
+        description.environment_path = options.light.environment_path;
+        description.light_tolerance = options.light_tolerance.value_or(kLightTolerance);
+        description.matrix = options.matrix.empty() ? kBiclusters : options.matrix;
+    }
     description.occlusion = options.occlusion == "on" && options.mode == "offline";
     description.frames_per_second = options.fps;
     description.gpu_budget_bytes = options.gpu_bytes;
@@ -366,14 +395,41 @@ StreamerOptions streamer_options(const FlyOptions& options) {
     streamer.facade_form = form_for(options.renderer);
     streamer.facade_boxes = steps_through_boxes(options.renderer);
     streamer.stop = &stop_requested;
+    if (options.light.asked_for()) streamer.light_tolerance = options.light_tolerance.value_or(kLightTolerance);
+    if (options.matrix == "rows") streamer.matrix_form = codec::radiance::MatrixForm::kRows;
     return streamer;
+}
+
+/// The light that a flight asks for, if any.
+Result<std::optional<FlightLight>> load_light(const FlyOptions& options) {
+    if (!options.light.asked_for()) return std::optional<FlightLight>();
+    auto light = FlightLight::load(options.light);
+    if (!light) return light.error();
+    for (const std::string& warning : light->warnings()) fmt::print(stderr, "citystream-fly: warning: {}\n", warning);
+    return std::optional(std::move(*light));
+}
+
+/// Fits it to the city.
+void prepare_light(const tiles::tileset::Manifest& manifest, FlightLight& light) {
+    if (manifest.has_layer[static_cast<size_t>(tiles::tileset::Layer::kRadiance)]) {
+        light.set_texels_across(manifest.radiance_texels_across);
+    } else {
+        fmt::print(stderr,
+                   "citystream-fly: warning: this city has no radiance layer (citystream-build --layers ...,radiance): "
+                   "the sky lights it without shadows\n");
+    }
 }
 
 /// One frame of the streamed city, within its budgets.
 Result<std::optional<DrawnFrame>> draw_city(const FlyOptions& options, CityStreamer& streamer, VulkanRenderer& renderer,
-                                            const Camera& camera, FlightFrame& frame) {
+                                            std::optional<FlightLight>& light, const Camera& camera,
+                                            FlightFrame& frame) {
     const std::vector<TileDraw>& draws = streamer.update(camera, frame.stream);
     if (stop_requested) return std::optional<DrawnFrame>();
+    if (light) {
+        const Status set = renderer.set_light(&light->at(frame.t, frame.lighting));
+        if (!set) return set.error();
+    }
     auto image = renderer.draw(camera, draws, &frame.timings);
     if (!image) return image.error();
     frame.counts = renderer.counts();
@@ -388,6 +444,8 @@ Result<std::optional<DrawnFrame>> draw_city(const FlyOptions& options, CityStrea
 
 /// The city through the streamer and the Vulkan renderer.
 int fly_city(const FlyOptions& options, const CameraPath& path) {
+    auto light = load_light(options);
+    if (!light) return fail(light.error().text());
     FetcherOptions fetcher_options;
     fetcher_options.shape = options.shape;
     auto fetcher = Fetcher::open(options.place, fetcher_options);
@@ -396,10 +454,11 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
     if (!renderer) return fail(renderer.error().text());
     auto streamer = CityStreamer::open(**fetcher, **renderer, streamer_options(options));
     if (!streamer) return fail(streamer.error().text());
+    if (*light) prepare_light((*streamer)->manifest(), **light);
 
     FlightStatistics statistics(describe(options, (*renderer)->device_name()));
     const DrawFrame draw = [&](const Camera& camera, FlightFrame& frame) {
-        return draw_city(options, **streamer, **renderer, camera, frame);
+        return draw_city(options, **streamer, **renderer, *light, camera, frame);
     };
     const Status flown = fly_path(options, path, options.mode == "realtime", draw, statistics);
     if (!flown) return fail(flown.error().text());
@@ -409,6 +468,7 @@ int fly_city(const FlyOptions& options, const CameraPath& path) {
     totals.gpu_bytes_allocated = (*renderer)->gpu_bytes_allocated();
     totals.validation_messages = (*renderer)->validation_messages();
     totals.facade_pipeline = (*renderer)->has_facade_pipeline();
+    totals.radiance_pipeline = (*renderer)->has_radiance_pipeline();
     totals.stopped_early = stop_requested;
     return conclude(options, statistics, totals);
 }
@@ -442,6 +502,8 @@ constexpr const char* kExamples = R"(Examples:
   citystream-fly city.3tz --path tour.csv --video tour.mp4 --stats tour.json --tolerance 2
   citystream-fly city.3tz --path tour.csv --gpu-budget 64MiB --host-budget 128MiB --json
   citystream-fly http://localhost:8080/city --path tour.csv --mode realtime --network 5mbit,38ms
+  citystream-fly city.3tz --path tour.csv --environment sky --hour 18.5 --frames evening/
+  citystream-fly city.3tz --path tour.csv --environment-path day.csv --video day.mp4
   citystream-fly --reference city.glb --path tour.csv --frames reference/)";
 
 /// What is flown and what comes of it.
@@ -515,6 +577,34 @@ void add_drawing_options(CLI::App& app, FlyOptions& options) {
         ->check(CLI::IsMember(chart_transport_names()));
 }
 
+/// What lights it (archives of --layers ...,radiance).
+void add_light_options(CLI::App& app, FlyOptions& options) {
+    app.add_option(
+        "--environment", options.light.environment,
+        "light the city by a picture of what is around it (.exr, .hdr: latitude and longitude, or a cube), or "
+        "by `sky`, an analytic one");
+    app.add_option("--environment-rotation", options.light.rotation_degrees,
+                   "turns it clockwise seen from above, degrees (0)")
+        ->check(command_line::number_from(-36000.0, 36000.0));
+    app.add_option("--hour", options.light.hour, "true solar time of `sky` (12)")
+        ->check(command_line::number_from(0.0, 24.0));
+    app.add_option("--environment-path", options.light.environment_path,
+                   "how the environment changes with the path's time: CSV with the columns time_s,environment and "
+                   "rotation_degrees,hour");
+    app.add_option("--exposure", options.light.exposure,
+                   "auto: level white ground is white, dusk and night darker; or stops: radiance times 2^STOPS (auto)");
+    app.add_option("--sun", options.light.sun,
+                   "apart: the sun is taken out of the environment and lights on its own; map: it stays in (apart)")
+        ->check(CLI::IsMember({"apart", "map"}));
+    app.add_option("--light-tolerance", options.light_tolerance,
+                   "part of an even sky's light that a place may get wrong (0.05)")
+        ->check(command_line::number_from(0.0, 1.0));
+    app.add_option("--matrix", options.matrix,
+                   "how what is seen from where is kept in GPU memory: biclusters or rows; same frames, other memory "
+                   "and time (biclusters)")
+        ->check(CLI::IsMember({kBiclusters, "rows"}));
+}
+
 /// What the machine has for it.
 void add_machine_options(CLI::App& app, FlyOptions& options) {
     app.add_option("--gpu-budget", options.gpu_budget, "most GPU memory for tiles")->capture_default_str();
@@ -535,6 +625,7 @@ int run(int argc, char** argv) {
     add_flight_options(app, options);
     add_quality_options(app, options);
     add_drawing_options(app, options);
+    add_light_options(app, options);
     add_machine_options(app, options);
     app.set_version_flag("--version", std::string("citystream-fly ") + CITYSTREAM_VERSION);
     app.footer(kExamples);

@@ -151,6 +151,9 @@ int main(int argc, char** argv) {
     app.add_option("--relief-tolerance", arguments.relief_tolerance,
                    "Facade relief that projects to fewer pixels is not fetched (default: --tolerance)")
         ->check(command_line::number_from(0.01, 1000.0));
+    app.add_option("--light-tolerance", options.client.streamer.light_tolerance,
+                   "Fetch radiance layers, too, up to this relative error of their light (default: none of them)")
+        ->check(command_line::number_from(0.0, 1.0));
     app.add_option("--map-level", arguments.map_level,
                    "Level of every facade map, 0 the coarsest; auto: as coarse as --tolerance lets it be")
         ->capture_default_str()

@@ -28,10 +28,18 @@ vec3 camera_relative_metres(ivec3 grid_units) {
     return vec3(grid_units) * kMetresPerGridUnit - vec3_of(constants.frame.camera_fraction);
 }
 
+#ifdef SHADOW_PASS
+// Parallel, towards the sun: metres from the middle of a cascade (client/render/shadow_cascades.h).
+vec4 project(vec3 metres) {
+    return vec4(dot(vec3_of(constants.frame.clip_x), metres), dot(vec3_of(constants.frame.clip_y), metres),
+                0.5 + dot(vec3_of(constants.frame.clip_w), metres), 1.0);
+}
+#else
 // Reversed z with an infinite far plane: depth = near_plane / distance along the view direction.
 vec4 project(vec3 metres) {
     return vec4(dot(vec3_of(constants.frame.clip_x), metres), dot(vec3_of(constants.frame.clip_y), metres), constants.frame.near_plane,
                 dot(vec3_of(constants.frame.clip_w), metres));
 }
+#endif
 
 #endif

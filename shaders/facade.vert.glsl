@@ -26,7 +26,16 @@ layout(location = 8) flat out vec3 down;
 layout(location = 9) flat out vec2 finest;           // texels: the map's finest runs
 layout(location = 10) flat out vec3 tint;            // place in the palette at the corner, and its change by a texel along u and a millimetre outwards
 
+#ifdef FRAME_LIGHT
+layout(location = 11) flat out vec3 wall_place;      // grid units from the tile's origin: the wall's lower left corner
+layout(location = 12) flat out vec3 per_grid_unit;   // texels, texels, millimetres
+#endif
+
 void hide() {
+#ifdef FRAME_LIGHT
+    wall_place = vec3(0.0);
+    per_grid_unit = vec3(1.0);
+#endif
     gl_Position = vec4(0.0, 0.0, -1.0, 1.0);
     place = camera = right = down = vec3(0.0);
     along = vec2(0.0);
@@ -64,6 +73,10 @@ void main() {
     along = wall.along;
     palette = placement.palette;
     finest = placement.finest;
+#ifdef FRAME_LIGHT
+    wall_place = vec3(placement.origin - tile_origin());
+    per_grid_unit = wall.per_metre * kMetresPerGridUnit;
+#endif
     tint = vec3(0.0);
     if (kFacadeTint > 0.0) {
         vec2 change = vec2(wall.along.x + wall.along.y, wall.outwards.x + wall.outwards.y) * kTintsPerMetre;

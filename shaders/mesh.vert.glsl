@@ -1,5 +1,5 @@
 #version 460
-// Mesh pass: pulls and decodes one corner of a packed triangle.
+// Mesh pass: pulls and decodes one corner of a packed triangle. FRAME_LIGHT: for a frame with a light; SHADOW_PASS: its depth, seen from the sun.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
@@ -9,11 +9,16 @@
 #include "shaders/page_corner.glsl"
 #include "shaders/tile_chart.glsl"
 
+#ifndef SHADOW_PASS
 layout(location = 0) out vec3 normal;
 layout(location = 1) out vec2 texcoord;
 layout(location = 2) flat out uvec3 chart_place;  // of the triangle's chart: layer, finest mip; PageSurface.place
 layout(location = 3) flat out uvec4 chart_words;  // the rest of it
 layout(location = 4) out float tint;              // place in the palette
+#ifdef FRAME_LIGHT
+layout(location = 5) out vec3 place;  // grid units from the tile's origin
+#endif
+#endif
 
 // Whether the pipeline draws prisms by vertices that the triangles of walls share.
 bool draws_shared() { return kMeshForm != MESH_FORM_ANY && (kMeshForm & MESH_FORM_SHARED) != 0u; }
@@ -32,6 +37,7 @@ uint corner_of_vertex(MeshDrawConstants draw, uint vertex) {
     return 3u * (corner.prism * draw.triangles + corner.triangle) + corner.k;
 }
 
+#ifndef SHADOW_PASS
 void show_chart(AtlasChart chart) {
     chart_place = uvec3(chart.atlas, floatBitsToUint(chart.finest_mip));
     chart_words = uvec4(chart.index, chart.size, chart.flags, chart.mip_table);
@@ -46,6 +52,7 @@ void show_colour(uint colour) {
         show_chart(flat_chart(colour));
     }
 }
+#endif
 
 void main() {
     uvec2 mesh = layer_reference(constants.tile.mesh);
@@ -55,6 +62,10 @@ void main() {
     MeshCorner shown = shown_corner(mesh, draw, vertex, origin);
     vec3 metres = camera_relative_metres(origin + shown.position);
     gl_Position = project(metres);
+#ifndef SHADOW_PASS
+#ifdef FRAME_LIGHT
+    place = vec3(shown.position);
+#endif
     tint = kFacadeTint > 0.0 ? tint_place(metres) : 0.0;
     normal = normalize(vec3(shown.normal));
 
@@ -74,4 +85,5 @@ void main() {
         texcoord = mesh_place(mesh, draw, shown, repeats);
         show_chart(chart);
     }
+#endif
 }

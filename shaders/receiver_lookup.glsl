@@ -8,7 +8,7 @@
 
 const uint kNoReceiver = 0xffffffffu;
 
-// Weights add up to 1, or count is 0: the tile's mean light.
+// Weights add up to 1, or count is 0: the light of the open sky.
 struct ReceiverShares {
     uint count;
     bool own_surface;
@@ -24,6 +24,8 @@ struct ReceiverQuestion {
     float depth;  // at column (0, 0)
     vec2 slope;
     bool loose;
+    uvec4 rows;    // RECEIVER_CLASS_*
+    uint entries;  // offset
 };
 
 struct ReceiverChoice {
@@ -31,7 +33,10 @@ struct ReceiverChoice {
     float off;
 };
 
-uint receiver_header(uint surface_class) { return uint(RECEIVER_WORD_CLASSES) + surface_class * uint(RECEIVER_CLASS_WORDS); }
+// The header is read in groups of four words: the first, and one for each class.
+uvec4 receiver_class(uvec2 layer, uint surface_class) {
+    return layer_words4(layer, (uint(RECEIVER_WORD_CLASSES) + surface_class * uint(RECEIVER_CLASS_WORDS)) / 4u);
+}
 
 float receiver_tolerance(ReceiverQuestion question) {
     return question.loose ? float(RECEIVER_LOOSE_TOLERANCE) : float(RECEIVER_TOLERANCE);
@@ -53,11 +58,10 @@ bool receiver_within_columns(ReceiverQuestion question) {
 }
 
 // First and end of a column's receivers.
-uvec2 receiver_column(uvec2 layer, uint surface_class, int i, int j) {
-    uint header = receiver_header(surface_class);
-    uint row = uint(j) - layer_word(layer, header + uint(RECEIVER_CLASS_FIRST_ROW));
-    if (row >= layer_word(layer, header + uint(RECEIVER_CLASS_ROWS))) return uvec2(0u, 0u);
-    uint at = layer_word(layer, header + uint(RECEIVER_CLASS_ROW_TABLE)) + row * uint(RECEIVER_ROW_WORDS);
+uvec2 receiver_column(uvec2 layer, uvec4 rows, int i, int j) {
+    uint row = uint(j) - rows[RECEIVER_CLASS_FIRST_ROW];
+    if (row >= rows[RECEIVER_CLASS_ROWS]) return uvec2(0u, 0u);
+    uint at = rows[RECEIVER_CLASS_ROW_TABLE] + row * uint(RECEIVER_ROW_WORDS);
     uint columns = layer_word(layer, at + uint(RECEIVER_ROW_COLUMNS));
     uint place = uint(i) - uint(int(columns << 16) >> 16);
     if (place >= columns >> 16) return uvec2(0u, 0u);
@@ -72,9 +76,12 @@ ReceiverQuestion receiver_question(uvec2 layer, uint surface_class, vec3 point, 
     int own = int(surface_class / 2u);
     int a = (own + 1) % 3;
     int b = (own + 2) % 3;
-    float spacing = float(1u << layer_word(layer, uint(RECEIVER_WORD_SPACING)));
-    float base = float(int(layer_word(layer, receiver_header(surface_class) + uint(RECEIVER_CLASS_DEPTH))));
+    uvec4 header = layer_words4(layer, 0u);
     ReceiverQuestion result;
+    result.rows = receiver_class(layer, surface_class);
+    result.entries = header[RECEIVER_WORD_ENTRIES];
+    float spacing = float(1u << header[RECEIVER_WORD_SPACING]);
+    float base = float(int(result.rows[RECEIVER_CLASS_DEPTH]));
     result.surface_class = surface_class;
     result.normal = vec3(normal[own], normal[a], normal[b]);
     result.place = vec2(point[a] / spacing, point[b] / spacing);
@@ -85,8 +92,8 @@ ReceiverQuestion receiver_question(uvec2 layer, uint surface_class, vec3 point, 
 }
 
 ReceiverChoice receiver_best(uvec2 layer, ReceiverQuestion question, int i, int j) {
-    uvec2 column = receiver_column(layer, question.surface_class, i, j);
-    uint entries = layer_word(layer, uint(RECEIVER_WORD_ENTRIES));
+    uvec2 column = receiver_column(layer, question.rows, i, j);
+    uint entries = question.entries;
     float tolerance = receiver_tolerance(question);
     float depth = question.depth + question.slope.x * float(i) + question.slope.y * float(j);
     uint first = column.x;
@@ -146,30 +153,6 @@ ReceiverShares receiver_shares_of(uvec2 layer, ReceiverQuestion question) {
     return result;
 }
 
-// Another surface's nearest receiver, for surfaces too small for the lattice.
-ReceiverShares receiver_stand_in(uvec2 layer, vec3 point, vec3 normal) {
-    ReceiverShares result = no_receiver_shares();
-    result.own_surface = false;
-    ReceiverChoice nearest;
-    nearest.receiver = kNoReceiver;
-    nearest.off = 0.0;
-    for (uint surface_class = 0u; surface_class < uint(RECEIVER_CLASSES); ++surface_class) {
-        ReceiverQuestion loose = receiver_question(layer, surface_class, point, normal);
-        loose.loose = true;
-        if (!receiver_within_columns(loose)) continue;
-        for (int k = 0; k < 4; ++k) {
-            ReceiverChoice choice = receiver_best(layer, loose, int(floor(loose.place.x)) + k % 2, int(floor(loose.place.y)) + k / 2);
-            if (choice.receiver == kNoReceiver) continue;
-            if (nearest.receiver == kNoReceiver || choice.off < nearest.off) nearest = choice;
-        }
-    }
-    if (nearest.receiver == kNoReceiver) return result;
-    result.count = 1u;
-    result.receiver.x = nearest.receiver;
-    result.weight.x = 1.0;
-    return result;
-}
-
 // `point`: grid units from the tile's origin. `normal`: of the surface, any length.
 ReceiverShares receiver_shares(uvec2 layer, vec3 point, vec3 normal) {
     vec3 size = abs(normal);
@@ -179,8 +162,28 @@ ReceiverShares receiver_shares(uvec2 layer, vec3 point, vec3 normal) {
     own.slope = vec2(-own.normal.y / own.normal.x * units, -own.normal.z / own.normal.x * units);
     own.depth -= own.slope.x * own.place.x + own.slope.y * own.place.y;
     ReceiverShares result = receiver_shares_of(layer, own);
-    if (result.count > 0u) return result;
-    return receiver_stand_in(layer, point, normal);
+    // Another surface's nearest receiver, for surfaces too small for the lattice. A loop of no rounds, not a branch: software drivers go through all
+    // that a branch leaves out.
+    uint columns = result.count > 0u ? 0u : 4u * uint(RECEIVER_CLASSES);
+    ReceiverChoice nearest;
+    nearest.receiver = kNoReceiver;
+    nearest.off = 0.0;
+    for (uint i = 0u; i < columns; ++i) {
+        ReceiverQuestion loose = receiver_question(layer, i / 4u, point, normal);
+        loose.loose = true;
+        if (!receiver_within_columns(loose)) continue;
+        ReceiverChoice choice =
+            receiver_best(layer, loose, int(floor(loose.place.x)) + int(i % 2u), int(floor(loose.place.y)) + int(i / 2u % 2u));
+        if (choice.receiver == kNoReceiver) continue;
+        if (nearest.receiver == kNoReceiver || choice.off < nearest.off) nearest = choice;
+    }
+    if (columns == 0u) return result;
+    result.own_surface = false;
+    if (nearest.receiver == kNoReceiver) return result;
+    result.count = 1u;
+    result.receiver.x = nearest.receiver;
+    result.weight.x = 1.0;
+    return result;
 }
 
 #endif

@@ -14,6 +14,10 @@ bool is_chart(CacheKey key) {
     return (key & 7) == 6;
 }
 
+bool is_light(CacheKey key) {
+    return (key & 7) == static_cast<CacheKey>(tiles::tileset::Layer::kRadiance);
+}
+
 }  // namespace
 
 LayerCache::~LayerCache() {
@@ -109,6 +113,7 @@ void LayerCache::count_in_store(CacheKey key, bool comes) {
     const uint64_t change = comes ? 1 : ~uint64_t{0};
     if (is_map(key)) maps_in_store_[level_of(piece_of(key))] += change;
     if (is_chart(key)) charts_in_store_ += change;
+    if (is_light(key)) lights_in_store_ += change;
 }
 
 Status LayerCache::append_piece(CachedLayer& layer, std::span<const uint32_t> words) {

@@ -42,6 +42,8 @@ void DrawnPrefixes::credit_draw(const TileDraw& draw, Shown& shown) {
         credit(*shown.record, Layer::kAtlas, shown.atlas_bytes);
     }
     credit_charts(draw, shown);
+    shown.light_bytes = light_bytes(draw);
+    credit(*shown.record, Layer::kRadiance, shown.light_bytes);
     if (draw.facade == kNoLayer) return;
     shown.facade = draw.facade;
     credit(*shown.record, Layer::kFacade, store_.bytes_of(draw.facade));
@@ -56,6 +58,7 @@ void DrawnPrefixes::credit_draw(const TileDraw& draw, Shown& shown) {
 bool DrawnPrefixes::has_grown(const TileDraw& draw, const Shown& shown) const {
     const bool same_atlas = draw.atlas == kNoLayer || shown.atlas_bytes == store_.bytes_of(draw.atlas);
     if (shown.mesh_steps != draw.mesh_steps || shown.facade != draw.facade || !same_atlas) return true;
+    if (shown.light_bytes != light_bytes(draw)) return true;
     const bool same_charts =
         std::equal(draw.shared_charts.begin(), draw.shared_charts.end(), shown.charts.begin(), shown.charts.end(),
                    [](const SharedChartBinding& binding, const ChartPrefix& was) {

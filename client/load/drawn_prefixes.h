@@ -35,12 +35,16 @@ class DrawnPrefixes {
         size_t mesh_steps = 0;
         uint64_t atlas_bytes = 0;
         LayerId facade = kNoLayer;
+        uint64_t light_bytes = 0;
         std::vector<LayerId> maps;        ///< as bound last
         std::vector<ChartPrefix> charts;  ///< in the order of the draw's
     };
     void credit(const tiles::tileset::TileRecord& record, tiles::tileset::Layer layer, uint64_t decoded_bytes);
     void credit_charts(const TileDraw& draw, Shown& shown);
     void credit_draw(const TileDraw& draw, Shown& shown);
+    uint64_t light_bytes(const TileDraw& draw) const {
+        return draw.radiance == kNoLayer ? 0 : store_.bytes_of(draw.radiance);
+    }
     bool has_grown(const TileDraw& draw, const Shown& shown) const;
 
     const CityIndex& index_;

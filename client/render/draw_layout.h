@@ -62,7 +62,9 @@ struct TileConstants {
        of the draw (_UNIFORM): its packed coordinates, in their places' bits its page and flags; of a flat chart its
        colour and its flags. */
     uint shared_charts[2];
-    uint mesh_draw[2]; /* of the range that is drawn: address of its MeshDrawConstants (mesh_draw_layout.h) */
+    /* Of the range that is drawn: address of its MeshDrawConstants, LitMeshDraw in a frame with a light
+       (mesh_draw_layout.h). Of facades in such a frame: address of the tile's RadianceDraw (light_layout.h). */
+    uint mesh_draw[2];
 };
 
 /* Of a chart of the tile that lies in the city's dictionary. */

@@ -16,16 +16,17 @@ class DrawRecords {
     DrawRecords& operator=(const DrawRecords&) = delete;
     ~DrawRecords() { destroy_buffer(device_, buffer_); }
 
-    /// Of at most so many draws.
-    void begin_frame(uint64_t draws);
-    /// Where the record is; `corners`: of a range of strip code.
-    VkDeviceAddress add(MeshDrawConstants draw, VkDeviceAddress corners);
+    /// Of at most so many draws; `lit`: in a frame with a light.
+    void begin_frame(uint64_t draws, bool lit);
+    /// Where the record is; `corners`: of a range of strip code. `radiance`: of its tile; left out without a light.
+    VkDeviceAddress add(MeshDrawConstants draw, VkDeviceAddress corners, const RadianceDraw& radiance);
     uint64_t bytes() const { return buffer_.bytes; }
 
   private:
     const Device& device_;
     Buffer buffer_;
     uint64_t used_ = 0;
+    uint64_t record_bytes_ = sizeof(MeshDrawConstants);
 };
 
 }  // namespace citystream::client

@@ -54,6 +54,7 @@ struct TileDraw {
     LayerId facade = kNoLayer;  ///< when set, dressed triangles are not drawn; placements are ray cast instead
     std::vector<FacadeMapBinding> facade_maps;
     std::vector<uint32_t> map_of_placement;  ///< index in facade_maps, of every placement of the layer
+    LayerId radiance = kNoLayer;             ///< checked words (RadianceLayerView); where a light is set
 };
 
 /// 8-bit RGBA, top row first.
@@ -69,11 +70,16 @@ struct FrameCounts {
     uint64_t coordinate_bytes = 0;
     uint32_t strip_rounds = 0;             ///< one where all strip code that is drawn fits its memory
     uint64_t decoded_strip_triangles = 0;  ///< that the frame missed
+    uint32_t radiance_tiles = 0;           ///< whose light passes ran
+    uint64_t radiance_receivers = 0;       ///< of those tiles
 };
 
 /// Time by stage in milliseconds; GPU stages from timestamps.
 struct FrameTimings {
     double gpu_mesh_ms = 0, gpu_facade_ms = 0, gpu_total_ms = 0, cpu_record_ms = 0, readback_ms = 0;
+    /// In frames with a light: its passes, which the mesh stage has in it; the sun's shadow maps before the frame,
+    /// which no other time has, by the host's clock.
+    double gpu_light_ms = 0, shadow_ms = 0;
 };
 
 }  // namespace citystream::client

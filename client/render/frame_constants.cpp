@@ -35,8 +35,8 @@ FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell
     return constants;
 }
 
-uint64_t FrameTables::bound(const SlotPool& pool, std::span<const TileDraw> tiles) {
-    uint64_t words = 0;
+uint64_t FrameTables::bound(const SlotPool& pool, std::span<const TileDraw> tiles, bool lit) {
+    uint64_t words = lit ? tiles.size() * (sizeof(RadianceDraw) / 4 + 1) : 0;
     for (const TileDraw& tile : tiles) {
         words += (sizeof(FacadeTableHead) + tile.facade_maps.size() * sizeof(FacadeMapEntry)) / 4 +
                  tile.map_of_placement.size() + 4;
@@ -105,6 +105,14 @@ Status FrameTables::add_facades(const TileDraw& tile, TileConstants& constants) 
     split_address(append(&head, sizeof head), constants.facade_maps);
     append(maps.data(), maps.size() * sizeof(FacadeMapEntry));
     return Done{};
+}
+
+Result<RadianceDraw> FrameTables::add_radiance(LayerId layer, VkDeviceAddress light, TileConstants& constants) {
+    RadianceDraw draw{};
+    if (const Status status = refer(layer, draw.layer); !status) return status.error();
+    split_address(light, draw.light);
+    split_address(append(&draw, sizeof draw), constants.mesh_draw);
+    return draw;
 }
 
 Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCell& camera) {

@@ -9,6 +9,7 @@
 #include "client/render/draw_layout.h"
 #include "client/render/facade_map_facts.h"
 #include "client/render/frame.h"
+#include "client/render/light_layout.h"
 #include "client/render/slot_pool.h"
 #include "client/select/camera.h"
 #include "codec/atlas/facade_tint.h"
@@ -31,12 +32,15 @@ class FrameTables {
     Result<TileConstants> add_tile(const TileDraw& tile, const CameraCell& camera);
     /// Names a coordinate layer in the constants of the tile added last.
     Status add_coordinates(LayerId layer, TileConstants& constants) { return refer(layer, constants.shared_charts); }
+    /// In a frame with a light, whose LightConstants are at `light`: what lights the tile added last, also as a table
+    /// that its constants refer to.
+    Result<RadianceDraw> add_radiance(LayerId layer, VkDeviceAddress light, TileConstants& constants);
     /// Whether every layer that the tile added last names lies in one piece.
     bool is_direct() const { return is_direct_; }
     std::span<const uint32_t> words() const { return words_; }
 
-    /// Upper bound of the words that `tiles` take.
-    static uint64_t bound(const SlotPool& pool, std::span<const TileDraw> tiles);
+    /// Upper bound of the words that `tiles` take. `lit`: with what lights them.
+    static uint64_t bound(const SlotPool& pool, std::span<const TileDraw> tiles, bool lit);
 
   private:
     VkDeviceAddress append(const void* table, size_t bytes);

@@ -6,7 +6,48 @@ namespace citystream::client {
 namespace {
 
 constexpr VkFormat kColourFormat = VK_FORMAT_R8G8B8A8_UNORM;
-constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+
+VkRenderPass create_render_pass(const Device& device, VkAttachmentLoadOp load) {
+    constexpr VkImageLayout kColour = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
+    constexpr VkImageLayout kDepth = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+    std::array<VkAttachmentDescription, 2> attachments{};
+    attachments[0] = {0,
+                      kColourFormat,
+                      VK_SAMPLE_COUNT_1_BIT,
+                      load,
+                      VK_ATTACHMENT_STORE_OP_STORE,
+                      VK_ATTACHMENT_LOAD_OP_DONT_CARE,
+                      VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                      kColour,
+                      kColour};
+    attachments[1] = attachments[0];
+    attachments[1].format = kDepthFormat;
+    attachments[1].initialLayout = attachments[1].finalLayout = kDepth;
+    const VkAttachmentReference colour{0, kColour};
+    const VkAttachmentReference depth{1, kDepth};
+    VkSubpassDescription subpass{};
+    subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+    subpass.colorAttachmentCount = 1;
+    subpass.pColorAttachments = &colour;
+    subpass.pDepthStencilAttachment = &depth;
+    auto info = vk_struct<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
+    info.attachmentCount = static_cast<uint32_t>(attachments.size());
+    info.pAttachments = attachments.data();
+    info.subpassCount = 1;
+    info.pSubpasses = &subpass;
+    VkRenderPass pass = VK_NULL_HANDLE;
+    vk_check(vkCreateRenderPass(device.handle, &info, nullptr, &pass), "vkCreateRenderPass");
+    return pass;
+}
+
+constexpr VkPipelineStageFlags kAttachmentStages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
+                                                   VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
+                                                   VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
+constexpr VkAccessFlags kColourAccess = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
+constexpr VkAccessFlags kDepthAccess =
+    VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+
+}  // namespace
 
 Image create_image(const Device& device, VkFormat format, VkExtent2D extent, VkImageUsageFlags usage,
                    VkImageAspectFlags aspect) {
@@ -44,39 +85,6 @@ void destroy_image(const Device& device, Image& image) {
     image = {};
 }
 
-VkRenderPass create_render_pass(const Device& device, VkAttachmentLoadOp load) {
-    constexpr VkImageLayout kColour = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-    constexpr VkImageLayout kDepth = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
-    std::array<VkAttachmentDescription, 2> attachments{};
-    attachments[0] = {0,
-                      kColourFormat,
-                      VK_SAMPLE_COUNT_1_BIT,
-                      load,
-                      VK_ATTACHMENT_STORE_OP_STORE,
-                      VK_ATTACHMENT_LOAD_OP_DONT_CARE,
-                      VK_ATTACHMENT_STORE_OP_DONT_CARE,
-                      kColour,
-                      kColour};
-    attachments[1] = attachments[0];
-    attachments[1].format = kDepthFormat;
-    attachments[1].initialLayout = attachments[1].finalLayout = kDepth;
-    const VkAttachmentReference colour{0, kColour};
-    const VkAttachmentReference depth{1, kDepth};
-    VkSubpassDescription subpass{};
-    subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-    subpass.colorAttachmentCount = 1;
-    subpass.pColorAttachments = &colour;
-    subpass.pDepthStencilAttachment = &depth;
-    auto info = vk_struct<VkRenderPassCreateInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_CREATE_INFO);
-    info.attachmentCount = static_cast<uint32_t>(attachments.size());
-    info.pAttachments = attachments.data();
-    info.subpassCount = 1;
-    info.pSubpasses = &subpass;
-    VkRenderPass pass = VK_NULL_HANDLE;
-    vk_check(vkCreateRenderPass(device.handle, &info, nullptr, &pass), "vkCreateRenderPass");
-    return pass;
-}
-
 VkImageMemoryBarrier image_barrier(const Image& image, VkImageAspectFlags aspect, VkImageLayout from, VkImageLayout to,
                                    VkAccessFlags from_access, VkAccessFlags to_access) {
     auto barrier = vk_struct<VkImageMemoryBarrier>(VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER);
@@ -89,15 +97,6 @@ VkImageMemoryBarrier image_barrier(const Image& image, VkImageAspectFlags aspect
     barrier.subresourceRange = {aspect, 0, 1, 0, 1};
     return barrier;
 }
-
-constexpr VkPipelineStageFlags kAttachmentStages = VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT |
-                                                   VK_PIPELINE_STAGE_EARLY_FRAGMENT_TESTS_BIT |
-                                                   VK_PIPELINE_STAGE_LATE_FRAGMENT_TESTS_BIT;
-constexpr VkAccessFlags kColourAccess = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT;
-constexpr VkAccessFlags kDepthAccess =
-    VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
-
-}  // namespace
 
 FrameTarget create_frame_target(const Device& device, uint32_t width, uint32_t height, uint32_t scale) {
     FrameTarget target;

@@ -13,6 +13,16 @@ struct Image {
     uint64_t bytes = 0;
 };
 
+inline constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
+
+/// An image of one level with memory and a view of its own, device-local where such memory suffices. Throws
+/// VulkanError.
+Image create_image(const Device& device, VkFormat format, VkExtent2D extent, VkImageUsageFlags usage,
+                   VkImageAspectFlags aspect);
+void destroy_image(const Device& device, Image& image);
+VkImageMemoryBarrier image_barrier(const Image& image, VkImageAspectFlags aspect, VkImageLayout from, VkImageLayout to,
+                                   VkAccessFlags from_access, VkAccessFlags to_access);
+
 struct FrameTarget {
     uint32_t width = 0, height = 0;            ///< of the frame that is read back
     uint32_t scale = 1;                        ///< samples a pixel in each direction

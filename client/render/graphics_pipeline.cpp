@@ -41,7 +41,7 @@ VkPipeline create_graphics_pipeline(const Device& device, VkRenderPass pass, VkP
         vk_struct<VkPipelineDepthStencilStateCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO);
     depth.depthTestEnable = VK_TRUE;
     depth.depthWriteEnable = writes.depth ? VK_TRUE : VK_FALSE;
-    depth.depthCompareOp = VK_COMPARE_OP_GREATER;
+    depth.depthCompareOp = writes.over_nothing ? VK_COMPARE_OP_GREATER_OR_EQUAL : VK_COMPARE_OP_GREATER;
     VkPipelineColorBlendAttachmentState opaque{};
     opaque.colorWriteMask = !writes.colour ? 0
                                            : VK_COLOR_COMPONENT_R_BIT | VK_COLOR_COMPONENT_G_BIT |

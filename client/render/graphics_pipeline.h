@@ -9,9 +9,10 @@
 
 namespace citystream::client {
 
-/// What a drawing pass writes; all test depth.
+/// What a drawing pass writes, and where; all test depth.
 struct PassWrites {
     bool colour = true, depth = true;
+    bool over_nothing = false;  ///< drawn where the depth is at most that of what is drawn, not where it is less
 };
 
 /// Vertices are pulled from layers.

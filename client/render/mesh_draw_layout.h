@@ -4,6 +4,8 @@
 #ifndef CITYSTREAM_CLIENT_MESH_DRAW_LAYOUT_H
 #define CITYSTREAM_CLIENT_MESH_DRAW_LAYOUT_H
 
+#include "client/render/light_layout.h"
+
 #ifdef __cplusplus
 #include <cstdint>
 namespace citystream::client {
@@ -48,8 +50,15 @@ struct MeshDrawConstants {
 };
 #define MESH_DRAW_WORDS 40
 
+/* The record of a draw in a frame with a light. */
+struct LitMeshDraw {
+    MeshDrawConstants draw;
+    RadianceDraw radiance;
+};
+
 #ifdef __cplusplus
 static_assert(sizeof(MeshDrawConstants) == 4 * MESH_DRAW_WORDS);
+static_assert(sizeof(LitMeshDraw) == sizeof(MeshDrawConstants) + sizeof(RadianceDraw));
 }  // namespace citystream::client
 #endif
 

@@ -6,11 +6,17 @@
 #include "client/render/draw_layout.h"
 #include "client/render/facade_shaders.h"
 #include "client/render/graphics_pipeline.h"
+#include "client/render/light_layout.h"
 #include "shaders/facade_occluder.vert.h"
 #include "shaders/facade_resolve.frag.h"
 #include "shaders/facade_resolve.vert.h"
 #include "shaders/mesh.frag.h"
 #include "shaders/mesh.vert.h"
+#include "shaders/mesh_lit.frag.h"
+#include "shaders/mesh_lit.vert.h"
+#include "shaders/mesh_shadow.vert.h"
+#include "shaders/sky.frag.h"
+#include "shaders/sky.vert.h"
 
 namespace citystream::client {
 namespace {
@@ -88,7 +94,17 @@ constexpr std::array<uint16_t, kFacadeIndices> kQuadIndices = {0, 1, 2, 2, 1, 3,
 }  // namespace
 
 Pass create_mesh_pass(const Device& device, VkRenderPass render_pass, const PassVariant& variant) {
+    if (variant.lit) return create_drawing_pass(device, render_pass, k_mesh_lit_vert, k_mesh_lit_frag, variant);
     return create_drawing_pass(device, render_pass, k_mesh_vert, k_mesh_frag, variant);
+}
+
+Pass create_mesh_shadow_pass(const Device& device, VkRenderPass render_pass, const PassVariant& variant) {
+    return create_drawing_pass(device, render_pass, k_mesh_shadow_vert, {}, variant, {.colour = false});
+}
+
+Pass create_sky_pass(const Device& device, VkRenderPass render_pass) {
+    return create_drawing_pass(device, render_pass, k_sky_vert, k_sky_frag, {}, {.depth = false, .over_nothing = true},
+                               sizeof(SkyConstants));
 }
 
 std::span<const uint16_t> facade_indices() {
@@ -97,7 +113,7 @@ std::span<const uint16_t> facade_indices() {
 
 Pass create_facade_pass(const Device& device, VkRenderPass render_pass, uint32_t caster, bool keyed,
                         const PassVariant& variant) {
-    const FacadeShaders shaders = facade_shaders(caster);
+    const FacadeShaders shaders = facade_shaders(caster, variant.lit);
     if (!keyed) return create_drawing_pass(device, render_pass, shaders.vertex, shaders.fragment, variant);
     return create_drawing_pass(device, render_pass, shaders.vertex, shaders.keyed_fragment, variant, {false, false});
 }

@@ -29,6 +29,7 @@ struct PassVariant {
     bool alpha_test = false;                            ///< of the mesh pass
     codec::atlas::FacadeTint tint = {};
     uint32_t mesh_form = MESH_FORM_ANY;  ///< of the ranges: RESIDENT_KIND_* | RESIDENT_FLAG_* << 8
+    bool lit = false;                    ///< by the frame's light: of the mesh and the facade pass
     auto operator<=>(const PassVariant&) const = default;
 };
 
@@ -39,6 +40,11 @@ Pass create_mesh_pass(const Device& device, VkRenderPass pass, const PassVariant
 /// written. Push constants: DrawConstants.
 Pass create_facade_pass(const Device& device, VkRenderPass pass, uint32_t caster, bool keyed,
                         const PassVariant& variant);
+/// Depth of the same triangles as the sun sees them. Push constants: DrawConstants, its frame that of
+/// shadow_cascades.h.
+Pass create_mesh_shadow_pass(const Device& device, VkRenderPass pass, const PassVariant& variant);
+/// The environment where nothing is drawn: one triangle. Push constants: SkyConstants.
+Pass create_sky_pass(const Device& device, VkRenderPass pass);
 /// Depth of opaque placements' backs (the first kOccluderIndices indices). Push constants: DrawConstants.
 Pass create_facade_occluder_pass(const Device& device, VkRenderPass pass, const PassVariant& variant);
 /// One triangle that draws the key buffer. Push constants: FacadeTableHead.

@@ -15,7 +15,9 @@
 #include "client/render/facade_map_facts.h"
 #include "client/render/facade_renderer_layout.h"
 #include "client/render/frame_constants.h"
+#include "client/render/frame_lighting.h"
 #include "client/render/layer_refiner.h"
+#include "client/render/light_constants.h"
 #include "client/render/lighting_layout.h"
 #include "client/render/mesh_draws.h"
 #include "client/render/pipelines.h"
@@ -34,7 +36,9 @@ double milliseconds_since(Clock::time_point begin) {
 }
 
 // Stages between two timestamps each.
-enum Timestamp : uint32_t { kBegin, kMeshDone, kFacadesDone, kEnd, kTimestampCount };
+enum Timestamp : uint32_t { kBegin, kMeshDone, kFacadesDone, kEnd, kLightBegin, kLightDone, kTimestampCount };
+/// Of frames without a light.
+constexpr uint32_t kPlainTimestamps = kLightBegin;
 
 constexpr VkShaderStageFlags kDrawStages = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
 
@@ -79,6 +83,17 @@ bool has_facades(const TileDraw& tile) {
     return tile.facade != kNoLayer && !tile.map_of_placement.empty();
 }
 
+/// What of a tile casts shadows: its triangles, also those that stand in for facades.
+TileDraw caster_of(const TileDraw& tile) {
+    TileDraw caster;
+    caster.origin = tile.origin;
+    caster.mesh = tile.mesh;
+    caster.mesh_ranges = tile.mesh_ranges;
+    caster.drop_rule = tile.drop_rule;
+    caster.mesh_least_dropped = tile.mesh_least_dropped;
+    return caster;
+}
+
 bool in_pages(const TileDraw& tile) {
     return tile.atlas != kNoLayer && tile.atlas_form == codec::atlas::AtlasForm::kPages;
 }
@@ -103,23 +118,30 @@ class Renderer final : public VulkanRenderer {
         refiner_->forget(layer);
         strips_->forget(layer);
         mesh_draws_.forget(layer);
+        if (lighting_) lighting_->forget(layer);
         coordinates_.forget(layer, pool_);
         destroy_layer(pool_, layer);
     }
 
     Result<FrameImage> draw(const Camera& camera, std::span<const TileDraw> tiles, FrameTimings* timings) override;
+    Status set_light(const FrameLight* light) override;
+    void set_casters(std::span<const TileDraw> casters) override;
     std::string device_name() const override { return device_.name; }
     FrameCounts counts() const override { return counts_; }
     uint64_t frame_buffer_bytes() const override;
     uint64_t gpu_bytes_allocated() const override { return allocated_bytes(pool_); }
     uint64_t validation_messages() const override { return instance_.messages ? instance_.messages->load() : 0; }
     bool has_facade_pipeline() const override { return facade_indices_.handle != VK_NULL_HANDLE; }
+    bool has_radiance_pipeline() const override { return lighting_.has_value(); }
 
   private:
+    /// What the tables of a frame are for: a picture, lit by its light or not, or one of the sun's shadow maps.
+    enum class Frame { kPicture, kLit, kShadow };
     struct DrawnTile {
         const TileDraw* tile;
         TileConstants constants;
-        uint32_t casters;  ///< one bit each: those that its placements' maps need
+        RadianceDraw radiance;  ///< in a lit frame
+        uint32_t casters;       ///< one bit each: those that its placements' maps need
         PassVariant mesh;
         const std::vector<ChartRun>* runs;  ///< one draw each; null: one for all triangles
         size_t first_strip = 0;             ///< of strips_: its first range of strip code
@@ -131,7 +153,7 @@ class Renderer final : public VulkanRenderer {
             if ((range.form & 255) == RESIDENT_KIND_PRISMS && runs == nullptr) variant.mesh_form |= MESH_FORM_SHARED;
             return variant;
         }
-        PassVariant facade() const { return {mesh.reading, mesh.form, {}, false, mesh.tint}; }
+        PassVariant facade() const { return {mesh.reading, mesh.form, {}, false, mesh.tint, MESH_FORM_ANY, mesh.lit}; }
         PassVariant occluder() const { return {mesh.reading, {}, {}, false, {}}; }
     };
     /// Made when the first tile needs them.
@@ -149,7 +171,11 @@ class Renderer final : public VulkanRenderer {
     FacadeTableHead facade_table_head() const;
     void warm_up(const Pass& pass, uint32_t vertices);
     Result<DrawnTile> add_to_tables(FrameTables& tables, const TileDraw& tile, const CameraCell& cell);
-    Status write_tables(const Camera& camera, std::span<const TileDraw> tiles);
+    Status write_tables(const Camera& camera, std::span<const TileDraw> tiles, Frame frame);
+    Status prepare_light(const Camera& camera, std::span<const TileDraw> tiles);
+    Status draw_cascade(const Camera& camera, uint32_t cascade);
+    void add_casters(std::span<const TileDraw> tiles);
+    uint64_t drawn_ranges() const;
     void record_frame(VkCommandBuffer commands);
     void record_meshes(VkCommandBuffer commands, uint32_t round);
     void record_tile(VkCommandBuffer commands, const DrawnTile& drawn, uint32_t round, VkPipeline& bound);
@@ -159,6 +185,7 @@ class Renderer final : public VulkanRenderer {
     void record_occluders(VkCommandBuffer commands);
     void record_facades(VkCommandBuffer commands);
     void record_resolve(VkCommandBuffer commands);
+    void record_sky(VkCommandBuffer commands);
     void record_readback(VkCommandBuffer commands);
     void push_constants(VkCommandBuffer commands, const Pass& pass, const TileConstants& tile) const;
     void bind_for(VkCommandBuffer commands, const Pass& pass, const TileConstants& tile, VkPipeline& bound) const;
@@ -178,7 +205,7 @@ class Renderer final : public VulkanRenderer {
     std::optional<DrawRecords> draw_records_;
     FrameTarget target_;
     Pass resolve_, filter_;
-    Passes mesh_, occluder_;
+    Passes mesh_, occluder_, shadow_;
     std::array<Passes, FACADE_RENDERER_COUNT> facades_;  ///< by caster
     CoordinateLayers coordinates_;
     FrameCounts counts_;
@@ -189,6 +216,11 @@ class Renderer final : public VulkanRenderer {
     Buffer tables_;
     VkQueryPool timestamps_ = VK_NULL_HANDLE;
     FrameConstants frame_{};
+    Frame kind_ = Frame::kPicture;  ///< of the tables
+    std::optional<FrameLight> light_;
+    bool light_is_new_ = false;  ///< not yet in lighting_
+    std::optional<FrameLighting> lighting_;
+    std::vector<TileDraw> casters_;  ///< out of view; while a light is prepared with those that are drawn
     std::vector<DrawnTile> drawn_;
 };
 
@@ -199,6 +231,7 @@ Renderer::~Renderer() {
         strips_.reset();
         prism_indices_.reset();
         draw_records_.reset();
+        lighting_.reset();
         destroy_slot_pool(pool_);
         destroy_frame_target(device_, target_);
         const auto destroy = [&](Pass& pass) { destroy_pass(device_, pass); };
@@ -209,6 +242,7 @@ Renderer::~Renderer() {
         };
         destroy_all(mesh_);
         destroy_all(occluder_);
+        destroy_all(shadow_);
         std::ranges::for_each(facades_, destroy_all);
         destroy_buffer(device_, facade_indices_);
         destroy_buffer(device_, keys_);
@@ -251,7 +285,8 @@ Status Renderer::start() {
 
 uint64_t Renderer::frame_buffer_bytes() const {
     return memory_bytes(target_) + tables_.bytes + draw_records_->bytes() + facade_indices_.bytes + keys_.bytes +
-           refiner_->buffer_bytes() + strips_->bytes_allocated() + prism_indices_->bytes();
+           refiner_->buffer_bytes() + strips_->bytes_allocated() + prism_indices_->bytes() +
+           (lighting_ ? lighting_->bytes() : 0);
 }
 
 Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
@@ -311,6 +346,11 @@ uint32_t Renderer::casters_of(const TileDraw& tile) const {
 }
 
 bool Renderer::ensure_mesh_pass(const PassVariant& variant) {
+    if (kind_ == Frame::kShadow) {
+        if (!shadow_.contains(variant))
+            shadow_[variant] = create_mesh_shadow_pass(device_, lighting_->shadow_maps().render_pass(), variant);
+        return false;
+    }
     if (mesh_.contains(variant)) return false;
     const Pass pass = mesh_[variant] = create_mesh_pass(device_, target_.clear_pass, variant);
     warm_up(pass, 3);
@@ -373,8 +413,9 @@ void Renderer::warm_up(const Pass& pass, uint32_t vertices) {
         split(tables_.address | LAYER_REF_DIRECT, reference);
     // No corner is beyond the zeros.
     constexpr uint64_t kDraw = kZeroWords / 4 * 3 * 4;
-    MeshDrawConstants draw{};
-    split(tables_.address, draw.corners);
+    LitMeshDraw draw{};
+    split(tables_.address, draw.draw.corners);
+    split(tables_.address, draw.radiance.light);
     std::memcpy(static_cast<std::byte*>(tables_.mapped) + kDraw, &draw, sizeof draw);
     split(tables_.address + kDraw, tile.mesh_draw);
     // One placement, of which the tile has no map.
@@ -416,7 +457,7 @@ void Renderer::bind_for(VkCommandBuffer commands, const Pass& pass, const TileCo
 Result<Renderer::DrawnTile> Renderer::add_to_tables(FrameTables& tables, const TileDraw& tile, const CameraCell& cell) {
     const auto constants = tables.add_tile(tile, cell);
     if (!constants) return constants.error();
-    DrawnTile drawn{&tile, *constants, casters_of(tile), {}, nullptr};
+    DrawnTile drawn{&tile, *constants, {}, casters_of(tile), {}, nullptr};
     const auto first_strip = strips_->add(tile, joined(constants->mesh), !has_facades(tile));
     if (!first_strip) return first_strip.error();
     drawn.first_strip = *first_strip;
@@ -430,19 +471,26 @@ Result<Renderer::DrawnTile> Renderer::add_to_tables(FrameTables& tables, const T
         ++counts_.page_tiles;
         if (tile.mesh != kNoLayer && coordinates.transport != coordinates_.wanted()) ++counts_.fallback_tiles;
     }
+    if (kind_ == Frame::kLit) {
+        const auto radiance = tables.add_radiance(tile.radiance, lighting_->address(), drawn.constants);
+        if (!radiance) return radiance.error();
+        drawn.radiance = *radiance;
+    }
     drawn.mesh.reading = tables.is_direct() ? LayerReading::kDirect : LayerReading::kPaged;
     drawn.mesh.alpha_test = tile.alpha_test;
     drawn.mesh.tint = options_.facade_tint;
+    drawn.mesh.lit = kind_ == Frame::kLit;
     return drawn;
 }
 
-Status Renderer::write_tables(const Camera& camera, std::span<const TileDraw> tiles) {
+Status Renderer::write_tables(const Camera& camera, std::span<const TileDraw> tiles, Frame frame) {
+    kind_ = frame;
     counts_ = {};
     for (const TileDraw& tile : tiles) {
         if (in_pages(tile)) coordinates_.of(tile, pool_);
     }
     counts_.coordinate_bytes = coordinates_.slots_used() * kSlotBytes;
-    ensure_tables(FrameTables::bound(pool_, tiles));
+    ensure_tables(FrameTables::bound(pool_, tiles, frame == Frame::kLit));
     const CameraCell cell = camera_cell(camera.position);
     frame_ = make_frame_constants(camera, cell, options_.facade_tint);
     strips_->begin_frame();
@@ -498,8 +546,8 @@ void Renderer::record_tile(VkCommandBuffer commands, const DrawnTile& drawn, uin
         if (place.round != round) continue;
         while (run != runs_end && run->range < range) ++run;
         const MeshDrawConstants draw = mesh_draws_.of(drawn.tile->mesh, range);
-        const Pass& pass = mesh_.at(drawn.mesh_of(draw));
-        split(draw_records_->add(draw, place.corners), constants.mesh_draw);
+        const Pass& pass = (kind_ == Frame::kShadow ? shadow_ : mesh_).at(drawn.mesh_of(draw));
+        split(draw_records_->add(draw, place.corners, drawn.radiance), constants.mesh_draw);
         bind_for(commands, pass, constants, bound);
         if (drawn.runs != nullptr) {
             run = record_runs(commands, pass, range, run, runs_end);
@@ -563,6 +611,13 @@ void Renderer::record_resolve(VkCommandBuffer commands) {
     vkCmdEndRenderPass(commands);
 }
 
+void Renderer::record_sky(VkCommandBuffer commands) {
+    barrier_between_passes(commands);
+    begin_pass(commands, target_, target_.load_pass, clear_.data());
+    lighting_->record_sky(commands, frame_, target_.height * target_.scale);
+    vkCmdEndRenderPass(commands);
+}
+
 void Renderer::record_readback(VkCommandBuffer commands) {
     copy_colour(commands, target_, target_.scale > 1 ? target_.samples : target_.readback);
     if (target_.scale > 1) {
@@ -580,14 +635,62 @@ void Renderer::record_readback(VkCommandBuffer commands) {
                    VK_ACCESS_HOST_READ_BIT);
 }
 
+uint64_t Renderer::drawn_ranges() const {
+    uint64_t ranges = 0;
+    for (const DrawnTile& drawn : drawn_) ranges += drawn.tile->mesh_ranges.size();
+    return ranges;
+}
+
+// Draws what the sun sees of the casters, in a submission of its own: strip code of casters may need other rounds than
+// that of the picture.
+Status Renderer::draw_cascade(const Camera& camera, uint32_t cascade) {
+    if (const Status status = write_tables(camera, casters_, Frame::kShadow); !status) return status.error();
+    ensure_passes();
+    const ShadowMaps& maps = lighting_->shadow_maps();
+    frame_ = shadow_frame(lighting_->cascades()[cascade], camera_cell(camera.position), maps.side());
+    if (const Status status = strips_->plan(); !status) return status.error();
+    submit_and_wait(device_, [&](VkCommandBuffer commands) {
+        draw_records_->begin_frame(drawn_ranges(), false);
+        refiner_->record(commands);
+        for (uint32_t round = 0; round < strips_->round_count(); ++round) {
+            strips_->record_round(commands, round);
+            maps.begin_pass(commands, round == 0);
+            record_meshes(commands, round);
+            vkCmdEndRenderPass(commands);
+        }
+        maps.keep(commands, cascade);
+    });
+    refiner_->finish();
+    strips_->finish_frame();
+    return Done{};
+}
+
+// Everything that a frame with a light needs before its own tables.
+Status Renderer::prepare_light(const Camera& camera, std::span<const TileDraw> tiles) {
+    if (!lighting_) lighting_.emplace(device_, pool_, target_.load_pass, options_.shadow_side);
+    if (light_is_new_) lighting_->set_light(*light_);
+    light_is_new_ = false;
+    if (const Status status = lighting_->plan(camera, tiles); !status) return status.error();
+    if (lighting_->cascades().empty()) return Done{};
+    add_casters(tiles);
+    for (uint32_t i = 0; i < SHADOW_CASCADES; ++i) {
+        if (const Status status = draw_cascade(camera, i); !status) return status.error();
+    }
+    return Done{};
+}
+
 void Renderer::record_frame(VkCommandBuffer commands) {
     const bool facades = std::any_of(drawn_.begin(), drawn_.end(), [](const DrawnTile& d) { return d.casters != 0; });
     if (device_.timestamp_nanoseconds != 0) vkCmdResetQueryPool(commands, timestamps_, 0, kTimestampCount);
     mark(commands, kBegin);
-    uint64_t ranges = 0;
-    for (const DrawnTile& drawn : drawn_) ranges += drawn.tile->mesh_ranges.size();
-    draw_records_->begin_frame(ranges);
+    const bool lit = kind_ == Frame::kLit;
+    draw_records_->begin_frame(drawn_ranges(), lit);
     refiner_->record(commands);
+    if (lit) {
+        mark(commands, kLightBegin);
+        lighting_->record_light(commands);
+        mark(commands, kLightDone);
+    }
     begin_target(commands, target_);
     for (uint32_t round = 0; round < strips_->round_count(); ++round) {
         if (round > 0) {
@@ -602,6 +705,7 @@ void Renderer::record_frame(VkCommandBuffer commands) {
     if (facades) record_occluders(commands);
     vkCmdEndRenderPass(commands);
     if (facades) record_facades(commands);
+    if (lit) record_sky(commands);
     mark(commands, kFacadesDone);
     record_readback(commands);
     mark(commands, kEnd);
@@ -610,8 +714,9 @@ void Renderer::record_frame(VkCommandBuffer commands) {
 void Renderer::read_timestamps(FrameTimings& timings) const {
     if (device_.timestamp_nanoseconds == 0) return;
     std::array<uint64_t, kTimestampCount> ticks{};
-    vk_check(vkGetQueryPoolResults(device_.handle, timestamps_, 0, kTimestampCount, sizeof ticks, ticks.data(),
-                                   sizeof ticks[0], VK_QUERY_RESULT_64_BIT),
+    const uint32_t count = kind_ == Frame::kLit ? kTimestampCount : kPlainTimestamps;
+    vk_check(vkGetQueryPoolResults(device_.handle, timestamps_, 0, count, sizeof ticks, ticks.data(), sizeof ticks[0],
+                                   VK_QUERY_RESULT_64_BIT),
              "vkGetQueryPoolResults");
     const auto between = [&](Timestamp from, Timestamp to) {
         return static_cast<double>(ticks[to] - ticks[from]) * device_.timestamp_nanoseconds * 1e-6;
@@ -619,6 +724,7 @@ void Renderer::read_timestamps(FrameTimings& timings) const {
     timings.gpu_mesh_ms = between(kBegin, kMeshDone);
     timings.gpu_facade_ms = between(kMeshDone, kFacadesDone);
     timings.gpu_total_ms = between(kBegin, kEnd);
+    timings.gpu_light_ms = between(kLightBegin, kLightDone);
 }
 
 FrameImage Renderer::read_frame() const {
@@ -637,10 +743,18 @@ Result<FrameImage> Renderer::draw(const Camera& camera, std::span<const TileDraw
         auto record_begin = Clock::now();
         // Coordinates are made from words of meshes.
         if (coordinates_.wanted() != ChartTransport::kTable) refiner_->run();
-        if (const Status status = write_tables(camera, tiles); !status) return status.error();
+        const Frame kind = light_ ? Frame::kLit : Frame::kPicture;
+        if (light_) {
+            const Status status = prepare_light(camera, tiles);
+            casters_.clear();
+            measured.shadow_ms = milliseconds_since(record_begin);
+            record_begin = Clock::now();
+            if (!status) return status.error();
+        }
+        if (const Status status = write_tables(camera, tiles, kind); !status) return status.error();
         if (ensure_passes()) {
             record_begin = Clock::now();
-            if (const Status status = write_tables(camera, tiles); !status) return status.error();
+            if (const Status status = write_tables(camera, tiles, kind); !status) return status.error();
         }
         if (const Status status = strips_->plan(); !status) return status.error();
         counts_.strip_rounds = strips_->counts().rounds;
@@ -651,6 +765,11 @@ Result<FrameImage> Renderer::draw(const Camera& camera, std::span<const TileDraw
         });
         refiner_->finish();
         strips_->finish_frame();
+        if (light_) {
+            lighting_->finish();
+            counts_.radiance_tiles = static_cast<uint32_t>(lighting_->counts().tiles);
+            counts_.radiance_receivers = lighting_->counts().receivers;
+        }
         read_timestamps(measured);
         const auto readback_begin = Clock::now();
         FrameImage image = read_frame();
@@ -660,6 +779,34 @@ Result<FrameImage> Renderer::draw(const Camera& camera, std::span<const TileDraw
     } catch (const VulkanError& error) {
         return Error{error.what()};
     }
+}
+
+Status Renderer::set_light(const FrameLight* light) {
+    if (light == nullptr) {
+        light_.reset();
+        lighting_.reset();
+        return Done{};
+    }
+    // Of the same number all is the same but exposure and sun.
+    const bool same = light_ && light_->number == light->number;
+    if (const Status status = same ? check_sun_and_exposure(*light) : check_light(*light); !status)
+        return status.error();
+    if (!same) light_ = *light;
+    light_->exposure = light->exposure;
+    light_->sun = light->sun;
+    light_is_new_ = true;
+    return Done{};
+}
+
+void Renderer::add_casters(std::span<const TileDraw> tiles) {
+    for (const TileDraw& tile : tiles) {
+        if (tile.mesh != kNoLayer) casters_.push_back(caster_of(tile));
+    }
+}
+
+void Renderer::set_casters(std::span<const TileDraw> casters) {
+    casters_.clear();
+    if (light_) add_casters(casters);
 }
 
 Status check_options(const RendererOptions& options) {
@@ -674,6 +821,8 @@ Status check_options(const RendererOptions& options) {
         uint64_t{options.height} * options.supersample > 16384) {
         return Error{"pictures are at most 16384 samples wide and high"};
     }
+    if (options.shadow_side < 64 || options.shadow_side > 8192)
+        return Error{"shadow maps have 64 to 8192 texels a side"};
     return Done{};
 }
 

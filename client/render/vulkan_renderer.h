@@ -11,6 +11,7 @@
 #include "client/render/chart_transport.h"
 #include "client/render/facade_renderer.h"
 #include "client/render/frame.h"
+#include "client/render/frame_light.h"
 #include "client/select/camera.h"
 #include "codec/atlas/facade_tint.h"
 #include "codec/result.h"
@@ -34,7 +35,8 @@ struct RendererOptions {
     /// that need more are drawn in rounds; one range at least must fit.
     uint64_t index_arena_bytes = 64ull << 20;
     codec::atlas::FacadeTint facade_tint;  ///< of walls; none by default
-    bool validation = false;               ///< Khronos validation with synchronization validation; messages are counted
+    uint32_t shadow_side = 2048;  ///< texels of each of the sun's shadow maps, where a light has a sun: 64..8192
+    bool validation = false;      ///< Khronos validation with synchronization validation; messages are counted
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h
 };
 
@@ -45,6 +47,12 @@ class VulkanRenderer : public LayerStore {
     static Result<std::unique_ptr<VulkanRenderer>> create(const RendererOptions& options);
     /// Draws the tiles (the renderer sorts them front to back) and reads the frame back.
     virtual Result<FrameImage> draw(const Camera& camera, std::span<const TileDraw> tiles, FrameTimings* timings) = 0;
+    /// Of frames from here on, until it is set again; copied. Null: none, frames are lit by lighting_layout.h. Fails
+    /// for a light of which a value is negative or not finite, or whose parts are missing.
+    virtual Status set_light(const FrameLight* light) = 0;
+    /// Tiles besides those of the next frame, and for that one alone, that cast shadows where a light has a sun: those
+    /// out of view that stand towards it. Of them meshes are taken, as draw() takes them.
+    virtual void set_casters(std::span<const TileDraw> casters) = 0;
     virtual std::string device_name() const = 0;  ///< with driver name and version
     virtual FrameCounts counts() const = 0;       ///< of the last frame
     virtual uint64_t frame_buffer_bytes() const = 0;
@@ -53,6 +61,8 @@ class VulkanRenderer : public LayerStore {
     /// The facade renderer's pipeline is made when the first tile with relief is drawn (a scene without relief makes
     /// none).
     virtual bool has_facade_pipeline() const = 0;
+    /// What frames with light need is made when the first one is drawn (scenes without make none).
+    virtual bool has_radiance_pipeline() const = 0;
 };
 
 /// Lists devices: one line each, EGL devices and the Vulkan device that matches.

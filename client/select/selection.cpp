@@ -268,6 +268,9 @@ Selection Selector::select(const Camera& camera, double tolerance, uint64_t slot
     begin_camera(camera, tolerance);
     Selection selection;
     run(tolerance, slot_bytes, selection);
+    SelectionBudget unlimited;
+    unlimited.slot_bytes = slot_bytes;
+    add_light(tolerance, unlimited, selection);
     return selection;
 }
 
@@ -290,6 +293,13 @@ int Selector::search(double tolerance, const SelectionBudget& budget, Selection&
 
 Selection Selector::select_within(const Camera& camera, double tolerance, const SelectionBudget& budget) {
     begin_camera(camera, tolerance);
+    Selection selection = surfaces_within(tolerance, budget);
+    add_light(tolerance, budget, selection);
+    return selection;
+}
+
+/// All layers but light.
+Selection Selector::surfaces_within(double tolerance, const SelectionBudget& budget) {
     Selection good;
     const int k = search(tolerance, budget, good);
     if (k > kDoubling || !good.fits) {
@@ -348,6 +358,50 @@ void Selector::drop_far_tiles(const SelectionBudget& budget, Selection& out) {
     }
     out.tiles = std::move(kept);
     out.fits = false;
+}
+
+/// Every tile a little light before any has all: what has none is lit as if nothing stood around it.
+void Selector::add_light(double tolerance, const SelectionBudget& budget, Selection& out) {
+    if (!light_tolerance_) return;
+    out.light_tolerance = tolerance > 0 ? *light_tolerance_ * (out.tolerance / tolerance) : *light_tolerance_;
+    std::vector<uint32_t> order(out.tiles.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+        return out.tiles[a].pixels_per_metre > out.tiles[b].pixels_per_metre;
+    });
+    std::vector<uint8_t> wanted;
+    for (const SelectedTile& tile : out.tiles) {
+        const DirectoryNode& node = directory_.node(tile.node);
+        wanted.push_back(shortest_prefix(node.record->steps(Layer::kRadiance),
+                                         usable_steps(node, knowledge_.tiles[tile.node], Layer::kRadiance), 1,
+                                         out.light_tolerance));
+    }
+    for (const uint8_t most : {uint8_t{1}, std::numeric_limits<uint8_t>::max()}) {
+        for (const uint32_t i : order) {
+            if (!raise_light(out.tiles[i], std::min(most, wanted[i]), budget, out.cost)) out.light_left_out = true;
+        }
+    }
+}
+
+/// Gives a tile a longer prefix of light, and a cost what that takes more. False, and nothing changes: it does not fit.
+bool Selector::raise_light(SelectedTile& tile, uint8_t steps, const SelectionBudget& budget,
+                           SelectionCost& cost) const {
+    uint8_t& held = tile.steps[static_cast<size_t>(Layer::kRadiance)];
+    if (steps <= held) return true;
+    const auto& all = directory_.node(tile.node).record->steps(Layer::kRadiance);
+    const auto slots = [&](uint32_t count) {
+        return (decoded_prefix_bytes(all, count) + budget.slot_bytes - 1) / budget.slot_bytes;
+    };
+    SelectionCost with = cost;
+    with.wire_bytes += wire_prefix_bytes(all, steps) - wire_prefix_bytes(all, held);
+    with.slots += slots(steps) - slots(held);
+    with.layers += held == 0 ? 1 : 0;
+    with.largest_scratch = std::max(
+        with.largest_scratch, light_scratch_bytes(decoded_prefix_bytes(all, steps), wire_prefix_bytes(all, steps)));
+    if (!fits(with, budget)) return false;
+    cost = with;
+    held = steps;
+    return true;
 }
 
 }  // namespace citystream::client

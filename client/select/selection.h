@@ -44,11 +44,13 @@ struct Selection {
     double texel_tolerance = 0;       ///< pixels: the same of texels
     double position_tolerance = 0;    ///< pixels: the same of positions
     PositionRule positions;           ///< that follows from it
+    double light_tolerance = 0;       ///< relative radiance: the same of light; 0: none is wanted
     std::vector<SelectedTile> tiles;  ///< depth first: neighbours in the tree are neighbours here
     std::vector<NodeIndex> refined;   ///< tiles whose children were looked at instead, also where none of those shows
     std::vector<tiles::tileset::TileAddress> subtrees;  ///< not loaded yet, but needed to refine
     SelectionCost cost;
     bool relief_left_out = false;  ///< relief of some tiles is drawn flat, for the budgets do not hold it
+    bool light_left_out = false;   ///< some tiles have less light than they want, or none, for the same reason
     /// Metres to the nearest tile that was left out as it lies beyond the selector's horizon; infinite: none was.
     double nearest_beyond = std::numeric_limits<double>::infinity();
     uint64_t hidden = 0;  ///< tiles of the directory's walk that lie behind the depth picture, with all below
@@ -75,20 +77,25 @@ class Selector {
     /// asked for; when that is raised for the budgets, so is this. Empty: as all errors. It changes what is taken of a
     /// tile, not which tiles: inner tiles have no finer texels than their own error allows. `position_tolerance`: the
     /// same of the pixels that a vertex may be off its place (position_rule.h); empty: kPositionShare of all errors.
+    /// `light_tolerance`: relative radiance that a receiver may be off, whatever its distance, raised like the others;
+    /// empty: no radiance layer is wanted.
     Selector(const DirectoryCache& directory, const CityKnowledge& knowledge, const ReliefOptions& relief = {},
-             std::optional<double> texel_tolerance = {}, std::optional<double> position_tolerance = {})
+             std::optional<double> texel_tolerance = {}, std::optional<double> position_tolerance = {},
+             std::optional<double> light_tolerance = {})
         : directory_(directory),
           knowledge_(knowledge),
           relief_(relief),
           texel_tolerance_(texel_tolerance),
-          position_tolerance_(position_tolerance) {}
+          position_tolerance_(position_tolerance),
+          light_tolerance_(light_tolerance) {}
 
     /// The rule at exactly this tolerance, whatever it costs. O(visible tiles and their ancestors).
     Selection select(const Camera& camera, double tolerance, uint64_t slot_bytes);
 
     /// The rule at the smallest tolerance tolerance * 2^(k/4), k = 0, 1, ..., whose cost fits. Where relief alone would
     /// more than double the tolerance, it is left flat instead, nearest tiles served first: maps that were converted
-    /// for a renderer can be a thousand times larger than the rest.
+    /// for a renderer can be a thousand times larger than the rest. Light never raises it: it gets what the rest leaves
+    /// of the budget, and where that is too little first one step a tile, then all that a tile wants, nearest first.
     Selection select_within(const Camera& camera, double tolerance, const SelectionBudget& budget);
 
     /// From now on: tiles that the picture hides (null: none does) are not visible, and those that are farther away
@@ -125,17 +132,20 @@ class Selector {
     void begin_camera(const Camera& camera, double tolerance);
     void run(double tolerance, uint64_t slot_bytes, Selection& out);
     int search(double tolerance, const SelectionBudget& budget, Selection& out);
+    Selection surfaces_within(double tolerance, const SelectionBudget& budget);
     void add_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost);
     void add_relief_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost);
     void add_chart_cost(const SelectedTile& tile, uint64_t slot_bytes, SelectionCost& cost);
     void add_relief(const SelectionBudget& budget, const Selection& full, Selection& out);
     void drop_far_tiles(const SelectionBudget& budget, Selection& out);
+    void add_light(double tolerance, const SelectionBudget& budget, Selection& out);
+    bool raise_light(SelectedTile& tile, uint8_t steps, const SelectionBudget& budget, SelectionCost& cost) const;
 
     const DirectoryCache& directory_;
     const CityKnowledge& knowledge_;
     ReliefOptions relief_;
     bool with_relief_ = true;  ///< false while the choice without any relief is searched
-    std::optional<double> texel_tolerance_, position_tolerance_;
+    std::optional<double> texel_tolerance_, position_tolerance_, light_tolerance_;
     double relief_ratio_ = 1;                      ///< tolerance of flat relief / tolerance: they are raised together
     double texel_ratio_ = 1, position_ratio_ = 1;  ///< the same of texels, and of positions
     Camera camera_;

@@ -11,6 +11,7 @@
 #include "client/stream/chart_residency.h"
 #include "client/stream/dictionary_pieces.h"
 #include "client/stream/draw_list.h"
+#include "client/stream/light_residency.h"
 #include "client/stream/occlusion.h"
 #include "client/stream/request_cost.h"
 #include "client/stream/request_plan.h"
@@ -56,6 +57,10 @@ MapOptions map_options(const StreamerOptions& options) {
     return maps;
 }
 
+LightOptions light_options(const StreamerOptions& options) {
+    return {options.decode, options.wait_for_selection, options.light_threads, options.matrix_form, options.stop};
+}
+
 class Streamer final : public CityStreamer {
   public:
     Streamer(Fetcher& fetcher, LayerStore& store, const StreamerOptions& options, Manifest manifest)
@@ -65,13 +70,14 @@ class Streamer final : public CityStreamer {
           directory_(std::move(manifest), options.directory_pool),
           cache_(store, host_),
           selector_(directory_, knowledge_, options.relief, options.texel_tolerance_pixels,
-                    options.position_tolerance_pixels),
+                    options.position_tolerance_pixels, options.light_tolerance),
           maps_(knowledge_, cache_, host_, warnings_, counters_, map_options(options)),
           charts_(knowledge_, cache_, host_, warnings_, counters_, options.decode),
           residency_(directory_, knowledge_, cache_, host_, maps_, charts_, warnings_, counters_, options.decode),
+          lights_(directory_, cache_, host_, residency_, warnings_, counters_, light_options(options)),
           occlusion_(directory_, knowledge_, cache_, host_, residency_, selector_),
           setbacks_(directory_, knowledge_, cache_, warnings_),
-          draw_list_(directory_, knowledge_, residency_, selector_, options_) {
+          draw_list_(directory_, knowledge_, residency_, lights_, selector_, options_) {
         host_.budget = options.host_budget_bytes;
         host_.fixed = sizeof(*this);
     }
@@ -161,6 +167,7 @@ class Streamer final : public CityStreamer {
     MapResidency maps_;
     ChartResidency charts_;
     TileResidency residency_;
+    LightResidency lights_;
     Occlusion occlusion_;
     Setbacks setbacks_;
     Selection selection_;
@@ -207,6 +214,10 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
     frame.map_conversions = counters.conversions;
     frame.map_conversions_refused = counters.conversions_refused;
     frame.map_conversion_ms = counters.conversion_ms;
+    frame.light_decodes = counters.light_decodes;
+    frame.light_decode_ms = counters.light_decode_ms;
+    frame.light_layers = cache_.lights_in_store();
+    frame.light_tolerance_used = selection_.light_tolerance;
     frame.facade_maps = cache_.maps_in_store();
     frame.shared_charts = cache_.charts_in_store();
     frame.gpu_bytes_used = store_.slots_used() * store_.slot_bytes();
@@ -240,7 +251,7 @@ void Streamer::advance_waiting(const Camera& camera) {
 
 /// Rounds of choosing and fetching until the choice is here, up to a horizon that recedes. What a choice turns out to
 /// depend on (subtrees, placements, damage, sizes of converted maps) makes another round. False: there is no room for
-/// it.
+/// it. Light comes when all else is here: nothing is fetched and decoded for tiles that turn out to be hidden.
 bool Streamer::fetch_all_in_sight(const Camera& camera) {
     for (int round = 0; round < kMostRounds && !stopped(); ++round) {
         const uint64_t known = dictionary_changes();
@@ -248,9 +259,11 @@ bool Streamer::fetch_all_in_sight(const Camera& camera) {
         upload_all();
         count_hits();
         if (dictionary_changes() != known) continue;
-        const std::vector<PlannedRequest> requests = plan(camera, true);
+        std::vector<PlannedRequest> requests = plan(camera, true);
         if (requests.empty()) {
-            if (!occlusion_.look_farther(selection_)) return true;
+            if (occlusion_.look_farther(selection_)) continue;
+            requests = plan_light(directory_, knowledge_, cache_, needed_, camera);
+            if (requests.empty() || !drain(requests)) return true;
         } else if (!drain(requests)) {
             return false;
         }
@@ -265,7 +278,9 @@ void Streamer::advance_realtime(const Camera& camera) {
     cancel_unwanted();
     upload_all();
     for (const PlannedRequest& request : plan(camera, false)) {
-        if (in_flight_.size() >= options_.max_requests_in_flight) break;
+        // The next view's tiles shall not have to wait for the light of this one.
+        const uint32_t most = options_.max_requests_in_flight;
+        if (in_flight_.size() >= (is_light(request) ? (most + 1) / 2 : most)) break;
         if (admit(request)) submit(request);
     }
 }
@@ -308,6 +323,11 @@ void Streamer::choose(const Camera& camera) {
     trim_to_budget();
     if (selection_.relief_left_out) {
         warnings_.add("the budgets do not hold all relief of this view; that of far tiles is drawn flat");
+    }
+    if (selection_.light_left_out) {
+        warnings_.add(
+            "the budgets do not hold all light of this view; that of far tiles is coarser, or the sky's without "
+            "shadows");
     }
     if (!selection_.fits) {
         warnings_.add("the budgets do not hold even the coarsest tiles of this view; far tiles are left out");
@@ -404,6 +424,7 @@ void Streamer::upload_all() {
     for (const SelectedTile& tile : needed_) residency_.upload(tile);
     if (knowledge_.dictionary.known()) maps_.upload(needed_);
     if (!needed_charts_.empty()) charts_.upload(needed_charts_);
+    if (options_.light_tolerance) lights_.upload(needed_);
 }
 
 /// Each prefix when it is chosen for the first time in this update, before anything is fetched for it.
@@ -428,9 +449,10 @@ bool Streamer::has_host_room() const {
 
 std::vector<PlannedRequest> Streamer::plan(const Camera& camera, bool directory_first) {
     const NodeIndex first = options_.wait_for_selection || directory_.nodes().empty() ? kNoNode : NodeIndex{0};
-    std::vector<PlannedRequest> requests = plan_requests(
-        directory_, knowledge_, cache_, selection_, needed_, first, camera,
-        {directory_first, !directory_first, facade_index_requested_, chart_index_requested_, has_host_room()});
+    std::vector<PlannedRequest> requests =
+        plan_requests(directory_, knowledge_, cache_, selection_, needed_, first, camera,
+                      {directory_first, !directory_first, facade_index_requested_, chart_index_requested_,
+                       has_host_room(), !directory_first});
     std::erase_if(requests, [&](const PlannedRequest& request) {
         return request.kind == RequestKind::kSubtree &&
                std::any_of(in_flight_.begin(), in_flight_.end(), [&](const auto& entry) {

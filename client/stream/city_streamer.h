@@ -16,6 +16,7 @@
 #include "client/select/facade_dictionary.h"
 #include "client/stream/fetcher.h"
 #include "codec/facade/facade_form.h"
+#include "codec/radiance/radiance_layer.h"
 #include "codec/result.h"
 #include "tiles/tileset/directory.h"
 
@@ -27,7 +28,10 @@ struct StreamerOptions {
     double tolerance_pixels = 1.0;
     std::optional<double> texel_tolerance_pixels;     ///< of texels (Selector); empty: as all errors
     std::optional<double> position_tolerance_pixels;  ///< of positions; empty: kPositionShare of all errors
-    uint64_t host_budget_bytes = 1ull << 30;          ///< wire bytes kept, decode buffers, directory: hard
+    /// Relative radiance that a receiver's light may be off. Empty: radiance layers are not wanted; nothing of them is
+    /// requested, decoded or counted.
+    std::optional<double> light_tolerance;
+    uint64_t host_budget_bytes = 1ull << 30;  ///< wire bytes kept, decode buffers, directory: hard
     bool wait_for_selection =
         true;  ///< offline mode: update() returns when the frame has all it asked for (or it failed for good)
     /// What near surfaces hide is neither fetched nor drawn (client/select/depth_picture.h). Needs decoding; only in
@@ -38,9 +42,11 @@ struct StreamerOptions {
     bool continuous_mips = true;
     ReliefOptions relief;
     std::optional<codec::facade::FacadeForm>
-        facade_form;                       ///< that the renderer reads (form_for); empty: maps stay as they arrive
-    bool facade_boxes = true;              ///< with them: raw words for a renderer that steps through boxes
-    uint32_t map_threads = 0;              ///< that expand and convert facade maps; 0: one a core
+        facade_form;           ///< that the renderer reads (form_for); empty: maps stay as they arrive
+    bool facade_boxes = true;  ///< with them: raw words for a renderer that steps through boxes
+    uint32_t map_threads = 0;  ///< that expand and convert facade maps; 0: one a core
+    codec::radiance::MatrixForm matrix_form = codec::radiance::MatrixForm::kBiclusters;  ///< of radiance layers
+    uint32_t light_threads = 0;            ///< that decode them (LightOptions)
     uint32_t max_requests_in_flight = 64;  ///< the rest waits in the streamer, where each update orders it anew
     std::shared_ptr<DirectoryPool>
         directory_pool;  ///< share parsed directories among many streamers of one city; null: one of its own
@@ -65,6 +71,11 @@ struct StreamerFrame {
     uint64_t chart_index_bytes = 0, chart_level_bytes = 0;                 ///< of wire_bytes: the chart dictionary
     uint64_t map_conversions = 0, map_conversions_refused = 0;             ///< to the renderer's form, or not to it
     double map_conversion_ms = 0;                                          ///< all cores together
+    uint64_t light_tiles = 0;                                              ///< drawn with a radiance layer of their own
+    uint64_t light_layers = 0;                                             ///< radiance layers in the store after it
+    uint64_t light_decodes = 0;                                            ///< prefixes of them
+    double light_decode_ms = 0;                                            ///< all cores together
+    double light_tolerance_used = 0;                                       ///< relative radiance; 0: no light is wanted
     uint64_t gpu_bytes_used = 0;                                           ///< slots in use, in bytes
     uint64_t host_bytes_used = 0;      ///< highest value during this update: held and reserved
     uint64_t host_bytes_held = 0;      ///< its highest part that is really held

@@ -37,11 +37,15 @@ const std::vector<TileDraw>& DrawList::make(const Selection& selection, const Se
 }
 
 /// Waiting mode draws exactly the chosen prefixes and levels, so that a frame depends on its camera alone; realtime
-/// mode draws all steps that are resident.
+/// mode draws all steps that are resident. Of light, which wants the same prefix in every view that fits its budgets,
+/// both show what is resident.
 void DrawList::add(NodeIndex node, const Selection& selection, const SelectedTile* tile, StreamerFrame& frame) {
     const double pixels_per_metre = selector_.pixels_per_metre(node);
-    draws_.push_back(residency_.draw(node, options_.wait_for_selection ? tile : nullptr));
+    const SelectedTile* shown = options_.wait_for_selection ? tile : nullptr;
+    draws_.push_back(residency_.draw(node, shown));
     TileDraw& draw = draws_.back();
+    draw.radiance = lights_.to_draw(node, shown);
+    if (draw.radiance != kNoLayer) ++frame.light_tiles;
     clamp_mips(node, selection.texel_tolerance, draw);
     drop_positions(node, selection, tile, draw);
     count_bits(node, draw);

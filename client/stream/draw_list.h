@@ -9,6 +9,7 @@
 #include "client/cache/directory_cache.h"
 #include "client/select/selection.h"
 #include "client/stream/city_streamer.h"
+#include "client/stream/light_residency.h"
 #include "client/stream/tile_residency.h"
 
 namespace citystream::client {
@@ -23,8 +24,13 @@ class DrawList {
   public:
     /// All must outlive it.
     DrawList(const DirectoryCache& directory, const CityKnowledge& knowledge, TileResidency& residency,
-             Selector& selector, const StreamerOptions& options)
-        : directory_(directory), knowledge_(knowledge), residency_(residency), selector_(selector), options_(options) {}
+             LightResidency& lights, Selector& selector, const StreamerOptions& options)
+        : directory_(directory),
+          knowledge_(knowledge),
+          residency_(residency),
+          lights_(lights),
+          selector_(selector),
+          options_(options) {}
 
     /// Draws of the view that was chosen last; fills the frame's counts of tiles and errors. Valid until the next call.
     const std::vector<TileDraw>& make(const Selection& selection, const SelectionView& view, StreamerFrame& frame);
@@ -41,6 +47,7 @@ class DrawList {
     const DirectoryCache& directory_;
     const CityKnowledge& knowledge_;
     TileResidency& residency_;
+    LightResidency& lights_;
     Selector& selector_;
     const StreamerOptions& options_;
     std::vector<TileDraw> draws_;

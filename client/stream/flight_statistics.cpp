@@ -25,6 +25,25 @@ Json layers_json(const BytesOf& bytes_of) {
     return out;
 }
 
+/// All 0 and empty where no light was asked for.
+Json frame_light_json(const FlightFrame& frame) {
+    const StreamerFrame& s = frame.stream;
+    const FlightLighting& l = frame.lighting;
+    return {{"environment", l.environment},
+            {"share", milliseconds(l.share)},
+            {"rotation_degrees", l.rotation_degrees},
+            {"hour", l.hour},
+            {"exposure", l.exposure},
+            {"number", l.number},
+            {"tolerance_used", s.light_tolerance_used},
+            {"tiles", s.light_tiles},
+            {"layers", s.light_layers},
+            {"decodes", s.light_decodes},
+            {"decode_ms", milliseconds(s.light_decode_ms)},
+            {"pass_tiles", frame.counts.radiance_tiles},
+            {"pass_receivers", frame.counts.radiance_receivers}};
+}
+
 Json frame_json(const FlightFrame& frame) {
     const StreamerFrame& s = frame.stream;
     const FrameTimings& g = frame.timings;
@@ -70,6 +89,7 @@ Json frame_json(const FlightFrame& frame) {
               {"fallback_tiles", frame.counts.fallback_tiles},
               {"coordinate_bytes", frame.counts.coordinate_bytes},
               {"mesh_draws", frame.counts.mesh_draws}}},
+            {"light", frame_light_json(frame)},
             {"cache", {{"hits", s.cache_hits}, {"misses", s.cache_misses}}},
             {"tolerance_used", s.tolerance_used},
             {"achieved_error_pixels", s.achieved_error_pixels},
@@ -122,6 +142,10 @@ Json description_json(const FlightDescription& d) {
             {"facade_samples", d.facade_samples},
             {"chart_transport", d.chart_transport},
             {"facade_tint", d.facade_tint},
+            {"environment", d.environment},
+            {"environment_path", d.environment_path},
+            {"light_tolerance", d.light_tolerance},
+            {"matrix", d.matrix},
             {"occlusion", d.occlusion},
             {"gpu_budget_bytes", d.gpu_budget_bytes},
             {"host_budget_bytes", d.host_budget_bytes}};
@@ -181,6 +205,21 @@ Json pages_json(const std::vector<FlightFrame>& frames) {
             {"mesh_draws", spread(frames, [](const FlightFrame& f) { return f.counts.mesh_draws; })}};
 }
 
+/// Light: all 0 and false where none was asked for.
+Json light_json(const std::vector<FlightFrame>& frames, const FlightTotals& totals) {
+    double decode_ms = 0;
+    for (const FlightFrame& frame : frames) decode_ms += frame.stream.light_decode_ms;
+    return {{"pipeline", totals.radiance_pipeline},
+            {"tolerance_used_max", most(frames, [](const FlightFrame& f) { return f.stream.light_tolerance_used; })},
+            {"tiles", spread(frames, [](const FlightFrame& f) { return static_cast<double>(f.stream.light_tiles); })},
+            {"layers_most", most(frames, [](const FlightFrame& f) { return f.stream.light_layers; })},
+            {"decodes", sum(frames, [](const FlightFrame& f) { return f.stream.light_decodes; })},
+            {"decode_ms", milliseconds(decode_ms)},
+            {"pass_frames", sum(frames, [](const FlightFrame& f) { return f.counts.radiance_tiles > 0 ? 1 : 0; })},
+            {"pass_tiles", sum(frames, [](const FlightFrame& f) { return f.counts.radiance_tiles; })},
+            {"pass_receivers", sum(frames, [](const FlightFrame& f) { return f.counts.radiance_receivers; })}};
+}
+
 /// How far vertices are off, and what of their coordinates is shown.
 Json positions_json(const std::vector<FlightFrame>& frames) {
     return {{"error_pixels", spread(frames, [](const FlightFrame& f) { return f.stream.position_error_pixels; })},
@@ -212,6 +251,7 @@ Json summary(const std::vector<FlightFrame>& frames, const std::vector<std::stri
         {"facades", facades_json(frames, totals)},
         {"charts", charts_json(frames)},
         {"pages", pages_json(frames)},
+        {"light", light_json(frames, totals)},
         {"cache",
          {{"hits", sum(frames, [](const FlightFrame& f) { return f.stream.cache_hits; })},
           {"misses", sum(frames, [](const FlightFrame& f) { return f.stream.cache_misses; })}}},

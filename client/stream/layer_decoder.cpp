@@ -78,6 +78,23 @@ bool decode_mesh(std::span<const std::vector<std::byte>> wire, std::span<const t
     return false;
 }
 
+bool decode_light(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
+                  codec::radiance::MatrixForm form, std::vector<uint32_t>& words, DecodeFailure& failure) {
+    const auto spans = spans_of(wire, steps.size());
+    for (size_t count = spans.size(); count > 0; --count) {
+        uint64_t decoded = 0;
+        for (const auto& step : steps.first(count)) decoded += step.decoded_bytes;
+        auto layer = codec::radiance::decode_radiance_layer(std::span(spans).first(count), decoded, form);
+        if (layer && count == spans.size()) {
+            words = std::move(*layer);
+            return true;
+        }
+        if (layer) break;
+        failure = {static_cast<uint32_t>(count - 1), layer.error().text()};
+    }
+    return false;
+}
+
 Result<codec::mesh::MeshContent> decode_mesh_content(std::span<const std::vector<std::byte>> wire,
                                                      std::span<const tiles::tileset::StepRecord> steps) {
     uint64_t decoded = 0;

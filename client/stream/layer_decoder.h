@@ -10,6 +10,7 @@
 #include "codec/atlas/atlas_form.h"
 #include "codec/facade/facade_layer.h"
 #include "codec/mesh/mesh_layer.h"
+#include "codec/radiance/radiance_layer.h"
 #include "codec/result.h"
 #include "tiles/tileset/directory.h"
 
@@ -44,8 +45,8 @@ struct DecodeFailure {
     std::string message;
 };
 
-/// Decompresses steps [0, count) of a layer that is no mesh. `wire[i]` are the bytes of step i. On failure `failure`
-/// names the step.
+/// Decompresses steps [0, count) of a layer that is neither mesh nor light. `wire[i]` are the bytes of step i. On
+/// failure `failure` names the step.
 bool decompress_prefix(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
                        DecodedPrefix& out, DecodeFailure& failure);
 
@@ -54,11 +55,16 @@ bool decompress_prefix(std::span<const std::vector<std::byte>> wire, std::span<c
 bool decode_mesh(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
                  uint32_t chart_count, codec::mesh::MeshLayer& out, DecodeFailure& failure);
 
+/// The words of steps [0, steps.size()) of a radiance layer. On failure `failure` names the first step without which
+/// the steps before it are good.
+bool decode_light(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
+                  codec::radiance::MatrixForm form, std::vector<uint32_t>& words, DecodeFailure& failure);
+
 /// What the first steps of a mesh say, without making words of them.
 Result<codec::mesh::MeshContent> decode_mesh_content(std::span<const std::vector<std::byte>> wire,
                                                      std::span<const tiles::tileset::StepRecord> steps);
 
-/// Checks the words of a prefix as the codec of `layer` (no mesh) does.
+/// Checks the words of a prefix as the codec of `layer` (neither mesh nor light) does.
 Result<LayerFacts> check_layer(tiles::tileset::Layer layer, const DecodedPrefix& prefix, const NameLimits& limits);
 
 /// Both, and on failure the first step without which the prefix before it is good.

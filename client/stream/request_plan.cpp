@@ -19,6 +19,8 @@ constexpr double kOpening = 1e200;  // factor on the gain of openings, below the
 constexpr double kFacadeIndexPriority = 1e150;
 constexpr double kChartIndexPriority = 1e249;  // no tile that names shared charts is drawn without it
 constexpr double kLeastGain = 1e-3;            // pixels: keeps an order among steps that promise nothing
+constexpr double kLight = 1e-100;              // factor on the gain of light, below all else
+constexpr double kErrorWithoutLight = 1;       // all of the light may be blocked
 
 class Planner {
   public:
@@ -48,8 +50,10 @@ class Planner {
     }
     void add_layer(const SelectedTile& tile, Layer layer);
     void add_tile(const SelectedTile& tile);
+    void add_light(const SelectedTile& tile);
     void add_openings(const std::vector<SelectedTile>& tiles, bool bridge_gaps);
     bool add_first_picture(const std::vector<SelectedTile>& tiles, bool choice_known, bool host_room);
+    bool is_missing(const SelectedTile& tile) const;
     void add_maps(const std::vector<SelectedTile>& tiles, bool bridge_gaps);
     void add_charts(const std::vector<SelectedTile>& tiles, uint32_t most_levels, bool bridge_gaps);
 
@@ -63,7 +67,6 @@ class Planner {
     void add_index(RequestKind kind, uint64_t bytes, double priority);
     bool has_begun(const SelectedTile& tile, Layer layer) const;
     bool charts_have_begun(const SelectedTile& tile) const;
-    bool is_missing(const SelectedTile& tile) const;
     bool is_recognisable(const SelectedTile& tile) const;
     uint32_t opening_steps(const SelectedTile& tile, Layer layer) const;
     uint64_t opening_bytes(const SelectedTile& tile) const;
@@ -184,6 +187,27 @@ void Planner::add_tile(const SelectedTile& tile) {
     for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
         if (tile.steps_of(layer) > 0) add_layer(tile, layer);
     }
+}
+
+void Planner::add_light(const SelectedTile& tile) {
+    const uint32_t wanted = tile.steps_of(Layer::kRadiance);
+    if (wanted == 0) return;
+    const CachedLayer& entry = cache_.at(layer_key(tile.node, Layer::kRadiance));
+    if (wanted <= entry.wire_steps || wanted <= entry.store_steps || entry.requested != 0) return;
+    const TileRecord& record = *directory_.node(tile.node).record;
+    const std::vector<StepRecord>& steps = record.steps(Layer::kRadiance);
+    PlannedRequest request;
+    request.node = tile.node;
+    request.layer = Layer::kRadiance;
+    request.from = entry.wire_steps;
+    request.to = wanted;
+    request.offset = wire_prefix_bytes(steps, request.from);
+    request.length = steps[wanted - 1].end - request.offset;
+    const double before = entry.store_steps > 0 ? steps[entry.store_steps - 1].error : kErrorWithoutLight;
+    const double gain = std::max(before - steps[wanted - 1].error, kLeastGain);
+    request.priority = kLight * gain * screen_area(record.bounds, tile.pixels_per_metre, camera_) /
+                       static_cast<double>(std::max<uint64_t>(1, request.length));
+    out.push_back(request);
 }
 
 void Planner::add_openings(const std::vector<SelectedTile>& tiles, bool bridge_gaps) {
@@ -408,6 +432,18 @@ std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const
     for (const SelectedTile& tile : tiles) planner.add_tile(tile);
     if (knowledge.dictionary.known()) planner.add_maps(tiles, options.host_room);
     planner.add_charts(tiles, codec::atlas::kMostChartLevels, options.host_room);
+    for (const SelectedTile& tile : tiles) {
+        if (options.light && !planner.is_missing(tile)) planner.add_light(tile);
+    }
+    order(planner.out);
+    return std::move(planner.out);
+}
+
+std::vector<PlannedRequest> plan_light(const DirectoryCache& directory, const CityKnowledge& knowledge,
+                                       LayerCache& cache, const std::vector<SelectedTile>& tiles,
+                                       const Camera& camera) {
+    Planner planner(directory, knowledge, cache, camera, kNoNode, false);
+    for (const SelectedTile& tile : tiles) planner.add_light(tile);
     order(planner.out);
     return std::move(planner.out);
 }

@@ -39,6 +39,8 @@ struct PlanOptions {
     /// Host memory has room beside what the view needs: levels of maps or of charts that few bytes part are one range,
     /// whose bytes between come along, and the stand-in may go before the view.
     bool host_room = true;
+    /// Ask for light, too, of tiles that have begun to show: below all other priorities.
+    bool light = false;
 };
 
 /// Bytes between two wanted levels of a dictionary that cost less than the heads of one more request and its answer.
@@ -60,6 +62,15 @@ std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const
                                           LayerCache& cache, const Selection& selection,
                                           const std::vector<SelectedTile>& tiles, NodeIndex stand_in,
                                           const Camera& camera, const PlanOptions& options);
+
+/// The same for the light of all tiles, and nothing else. Best first is what takes away the greatest part of the
+/// light's error, over the most pixels, for a byte.
+std::vector<PlannedRequest> plan_light(const DirectoryCache& directory, const CityKnowledge& knowledge,
+                                       LayerCache& cache, const std::vector<SelectedTile>& tiles, const Camera& camera);
+
+inline bool is_light(const PlannedRequest& request) {
+    return request.kind == RequestKind::kLayer && request.layer == tiles::tileset::Layer::kRadiance;
+}
 
 /// Pixels that a tile's bounds cover at most.
 double screen_area(const tiles::tileset::Bounds& bounds, double pixels_per_metre, const Camera& camera);

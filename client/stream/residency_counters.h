@@ -1,4 +1,4 @@
-// What bringing bytes to the layer store cost: counted by both residencies, reported by frame.
+// What bringing bytes to the layer store cost: counted by all residencies, reported by frame.
 #pragma once
 
 #include <chrono>
@@ -13,6 +13,8 @@ struct ResidencyCounters {
     double decode_ms = 0;
     uint64_t conversions = 0, conversions_refused = 0;  ///< facade maps brought to another form, or refused by it
     double conversion_ms = 0;                           ///< of all cores together
+    uint64_t light_decodes = 0;                         ///< prefixes of radiance layers
+    double light_decode_ms = 0;                         ///< of all cores together
 };
 
 /// Adds the time of its life to a counter.

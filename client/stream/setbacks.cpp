@@ -48,8 +48,10 @@ uint32_t Setbacks::mark_layer(Setback& setback, const std::string& why) {
     uint8_t& usable = knowledge_.tiles[request.node].usable_steps[static_cast<size_t>(request.layer)];
     setback.usable_before = usable;
     usable = static_cast<uint8_t>(std::min<uint32_t>(usable, std::max(entry.store_steps, entry.wire_steps)));
-    warnings_.add(about(layer_path(request.layer, directory_.node(request.node).record->address), why) +
-                  "; drawn coarser or from its parent");
+    const bool light = request.layer == Layer::kRadiance;
+    warnings_.add(
+        about(layer_path(request.layer, directory_.node(request.node).record->address), why) +
+        (light ? "; its light is coarser, or the sky's without shadows" : "; drawn coarser or from its parent"));
     return ++entry.failures;
 }
 

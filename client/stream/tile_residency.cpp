@@ -23,6 +23,12 @@ uint64_t step_begin(const std::vector<StepRecord>& steps, uint32_t step) {
     return step == 0 ? 0 : steps[step - 1].end;
 }
 
+const char* consequence_of_damage(Layer layer, uint32_t step) {
+    if (layer == Layer::kFacade) return "its facades are drawn flat";
+    if (layer == Layer::kRadiance) return step > 0 ? "its light is coarser" : "its light is the sky's, without shadows";
+    return step > 0 ? "the tile is drawn coarser" : "the tile is drawn from its parent";
+}
+
 }  // namespace
 
 uint64_t TileResidency::bytes_per_tile() {
@@ -44,11 +50,8 @@ void TileResidency::damaged(CachedLayer& entry, NodeIndex node, Layer layer, uin
     if (++entry.damages < 2) return;
     uint8_t& usable = knowledge_.tiles[node].usable_steps[static_cast<size_t>(layer)];
     usable = static_cast<uint8_t>(std::min<uint32_t>(usable, step));
-    const char* consequence = layer == Layer::kFacade ? "its facades are drawn flat"
-                              : step > 0              ? "the tile is drawn coarser"
-                                                      : "the tile is drawn from its parent";
     warnings_.add(layer_path(layer, directory_.node(node).record->address) + ": step " + std::to_string(step) +
-                  " is damaged (" + why + ", also on the second try); " + consequence);
+                  " is damaged (" + why + ", also on the second try); " + consequence_of_damage(layer, step));
 }
 
 void TileResidency::accept_layer(NodeIndex node, Layer layer, uint32_t from, uint32_t to,

@@ -44,8 +44,12 @@ class TileResidency {
     void accept_layer(NodeIndex node, tiles::tileset::Layer layer, uint32_t from, uint32_t to,
                       std::span<const std::byte> bytes);
 
-    /// Brings what is received of the tile's wanted prefixes to the store; atlas first, for it knows the charts.
+    /// Brings what is received of the tile's wanted prefixes to the store, but light (light_residency.h); atlas first,
+    /// for it knows the charts.
     void upload(const SelectedTile& wanted);
+
+    /// A step of a layer turned out to be bad.
+    void damaged(CachedLayer& layer, NodeIndex node, tiles::tileset::Layer kind, uint32_t step, const std::string& why);
 
     /// Mesh and atlas have at least their first steps in the store, and its shared charts something to show (a tile
     /// without mesh has nothing to draw).
@@ -69,7 +73,6 @@ class TileResidency {
         uint32_t coarsest_step_mip = 0;  ///< finest mip of the atlas' first step
         std::vector<codec::mesh::MeshRange> mesh_ranges;
     };
-    void damaged(CachedLayer& layer, NodeIndex node, tiles::tileset::Layer kind, uint32_t step, const std::string& why);
     NameLimits limits_of(NodeIndex node) const;
     void learn_facade_maps(NodeIndex node);
     bool learn_shared_charts(NodeIndex node, std::span<const std::byte> first_step);

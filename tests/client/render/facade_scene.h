@@ -115,10 +115,11 @@ inline FacadeScene facade_scene(LayerStore& store, FacadeRenderer renderer, cons
 }
 
 /// What a ray through a pixel sees of the scene's first wall: its distance along the view direction (infinite: nothing)
-/// and colour.
+/// and colour. Of the mean of several rays the other two are the centre's.
 struct SeenPoint {
     double distance = std::numeric_limits<double>::infinity();
     Vec3 colour{};
+    Vec3 texel{}, normal{};  ///< what it is made of
 };
 
 class FacadePainter {
@@ -158,10 +159,9 @@ class FacadePainter {
         Vec3 normal = axis == 0 ? scene_.wall.unit_along() : axis == 1 ? Vec3{0, 0, 1} : scene_.wall.outwards();
         for (double& c : normal) c *= hit.normal_sign;
         const Sampler sampler{*atlas_, entry.chart_word};
-        return {distance,
-                lit(sampler({uv[0] * scale, uv[1] * scale}, {(px[0] - mx[0]) * scale, (px[1] - mx[1]) * scale},
-                            {(py[0] - my[0]) * scale, (py[1] - my[1]) * scale}),
-                    normal)};
+        const Vec3 texel = sampler({uv[0] * scale, uv[1] * scale}, {(px[0] - mx[0]) * scale, (px[1] - mx[1]) * scale},
+                                   {(py[0] - my[0]) * scale, (py[1] - my[1]) * scale});
+        return {distance, lit(texel, normal), texel, normal};
     }
 
     /// What the pixel around a point shows: the mean of its samples (facade_samples.glsl). `most`: rays of a pixel that

@@ -4,6 +4,7 @@
 // interpolate from the first: now and then a filtered texel is rounded to the next number.
 #include <algorithm>
 
+#include "tests/client/render/lit_scene.h"
 #include "tests/client/render/page_scene.h"
 
 namespace citystream::client::test {
@@ -146,6 +147,30 @@ TEST(MeshTopologies, StripCodeOfTenTimesItsMemoryIsDrawnInRounds) {
         }
         EXPECT_EQ(renderer->validation_messages(), 0u);
     }
+}
+
+TEST(MeshTopologies, StripCodeInRoundsIsInTheSameShades) {
+    FrameLight light = uniform_light({0.3F, 0.3F, 0.4F});
+    light.sun = Sun{{-0.48, -0.6, 0.64}, {2, 2, 1.8}, kSunRadius};
+    RendererOptions options = small_options();
+    const auto whole = make_renderer(options);
+    ASSERT_NE(whole, nullptr);
+    const std::vector<TileDraw> at_once = upload_topology(*whole, MeshTopology::kStripCode, Atlas::kNone);
+    ASSERT_TRUE(whole->set_light(&light).ok());
+    const FrameImage wanted = draw_or_fail(*whole, kCamera, at_once);
+    options.index_arena_bytes = corner_bytes(at_once) / 10 / 3 * 4;
+    const auto renderer = make_renderer(options);
+    ASSERT_NE(renderer, nullptr);
+    const std::vector<TileDraw> tiles = upload_topology(*renderer, MeshTopology::kStripCode, Atlas::kNone);
+    ASSERT_TRUE(renderer->set_light(&light).ok());
+    for (int frame = 0; frame < 2; ++frame) {
+        ASSERT_EQ(draw_or_fail(*renderer, kCamera, tiles).rgba, wanted.rgba) << frame;
+        EXPECT_GE(renderer->counts().strip_rounds, 10u);
+    }
+    light.sun->irradiance = {0, 0, 0};
+    ASSERT_TRUE(renderer->set_light(&light).ok());
+    EXPECT_NE(draw_or_fail(*renderer, kCamera, tiles).rgba, wanted.rgba) << "the sun is seen";
+    EXPECT_EQ(renderer->validation_messages(), 0u);
 }
 
 TEST(MeshTopologies, ALayerThatTakesTheNumberOfAnotherShowsItsOwnStrips) {

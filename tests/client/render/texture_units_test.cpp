@@ -13,6 +13,10 @@
 #include "shaders/facade_occluder.vert.h"
 #include "shaders/mesh.frag.h"
 #include "shaders/mesh.vert.h"
+#include "shaders/mesh_lit.frag.h"
+#include "shaders/mesh_lit.vert.h"
+#include "shaders/mesh_shadow.vert.h"
+#include "shaders/sky.frag.h"
 
 namespace citystream::client {
 namespace {
@@ -62,11 +66,20 @@ TEST(TextureUnits, ADrawTakesNone) {
     expect_nothing_bound(k_mesh_frag);
     expect_nothing_bound(k_facade_occluder_vert);
     for (uint32_t caster = 0; caster < FACADE_RENDERER_COUNT; ++caster) {
-        const FacadeShaders shaders = facade_shaders(caster);
-        expect_nothing_bound(shaders.vertex);
-        expect_nothing_bound(shaders.fragment);
-        expect_nothing_bound(shaders.keyed_fragment);
+        for (const bool lit : {false, true}) {
+            const FacadeShaders shaders = facade_shaders(caster, lit);
+            expect_nothing_bound(shaders.vertex);
+            expect_nothing_bound(shaders.fragment);
+            expect_nothing_bound(shaders.keyed_fragment);
+        }
     }
+}
+
+TEST(TextureUnits, ADrawInAFrameWithALightTakesNone) {
+    expect_nothing_bound(k_mesh_lit_vert);
+    expect_nothing_bound(k_mesh_lit_frag);
+    expect_nothing_bound(k_mesh_shadow_vert);
+    expect_nothing_bound(k_sky_frag);
 }
 
 }  // namespace

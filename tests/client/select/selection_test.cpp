@@ -470,6 +470,125 @@ TEST(Selection, HoldsTheHostBudgetToo) {
     EXPECT_GT(bound.tolerance, 1.0);
 }
 
+World& lit_world() {
+    static const SyntheticCity city = [] {
+        test::SyntheticOptions options;
+        options.chart_size = 8;
+        options.facades = false;
+        options.light = 5;
+        return SyntheticCity(options);
+    }();
+    static World instance(city);
+    return instance;
+}
+
+const std::vector<tiles::tileset::StepRecord>& light_steps(const World& lit, const SelectedTile& tile) {
+    return lit.directory.node(tile.node).record->steps(Layer::kRadiance);
+}
+
+uint8_t light_of(const SelectedTile& tile) {
+    return tile.steps_of(Layer::kRadiance);
+}
+
+TEST(Selection, LightTakesTheShortestPrefixWithinItsToleranceWhateverTheDistance) {
+    const World& lit = lit_world();
+    const Camera camera = lit.city.camera(512, 100, 30, 0, -15);
+    std::set<uint8_t> seen;
+    for (const double tolerance : {0.0, 0.3, 0.5, 0.55, 1.0}) {
+        Selector selector(lit.directory, lit.knowledge, {}, {}, {}, tolerance);
+        const Selection selection = selector.select(camera, 1.0, 1024);
+        EXPECT_EQ(selection.light_tolerance, tolerance);
+        EXPECT_FALSE(selection.light_left_out);
+        for (const SelectedTile& tile : selection.tiles) {
+            const auto& steps = light_steps(lit, tile);
+            const uint8_t taken = light_of(tile);
+            ASSERT_TRUE(taken >= 1 && taken <= steps.size());
+            EXPECT_LE(steps[taken - 1].error, tolerance);
+            EXPECT_TRUE(taken == 1 || steps[taken - 2].error > tolerance);
+            seen.insert(taken);
+        }
+    }
+    EXPECT_EQ(seen.size(), 3U) << "some prefix was never wanted: the test is too easy";
+    Selector none(lit.directory, lit.knowledge);
+    const Selection without = none.select(camera, 1.0, 1024);
+    EXPECT_EQ(without.light_tolerance, 0);
+    for (const SelectedTile& tile : without.tiles) EXPECT_EQ(light_of(tile), 0);
+}
+
+TEST(Selection, LightThatCannotBeHadIsNotWanted) {
+    World lit(lit_world().city);
+    Selector selector(lit.directory, lit.knowledge, {}, {}, {}, 0.0);
+    const Camera camera = lit.city.camera(512, 100, 30, 0, -15);
+    const NodeIndex some = selector.select(camera, 1.0, 1024).tiles[0].node;
+    for (const uint8_t usable : {uint8_t{0}, uint8_t{1}, uint8_t{2}}) {
+        lit.knowledge.tiles[some].usable_steps[static_cast<size_t>(Layer::kRadiance)] = usable;
+        const Selection selection = selector.select(camera, 1.0, 1024);
+        EXPECT_EQ(selection.tiles[0].node, some);
+        EXPECT_EQ(light_of(selection.tiles[0]), usable);
+        EXPECT_EQ(light_of(selection.tiles[1]), 3);
+    }
+}
+
+uint64_t light_slots(const World& lit, const SelectedTile& tile, uint32_t steps) {
+    return (decoded_prefix_bytes(light_steps(lit, tile), steps) + 1023) / 1024;
+}
+
+TEST(Selection, LightCostsWhatItTakesAndIsRaisedWithTheTolerance) {
+    const World& lit = lit_world();
+    const Camera camera = lit.city.camera(512, 100, 30, 0, -15);
+    Selector dark(lit.directory, lit.knowledge), light(lit.directory, lit.knowledge, {}, {}, {}, 0.06);
+    const Selection without = dark.select(camera, 1.0, 1024), with = light.select(camera, 1.0, 1024);
+    uint64_t wire = 0, slots = 0;
+    for (const SelectedTile& tile : with.tiles) {
+        wire += light_steps(lit, tile)[light_of(tile) - 1U].end;
+        slots += light_slots(lit, tile, light_of(tile));
+    }
+    EXPECT_EQ(with.cost.wire_bytes, without.cost.wire_bytes + wire);
+    EXPECT_EQ(with.cost.slots, without.cost.slots + slots);
+    EXPECT_EQ(with.cost.layers, without.cost.layers + with.tiles.size());
+    EXPECT_GE(with.cost.largest_scratch, without.cost.largest_scratch);
+    const Selection bound = light.select_within(camera, 1.0, {1024, without.cost.slots / 3, ~uint64_t{0}, 0});
+    EXPECT_GT(bound.tolerance, 1.0);
+    EXPECT_DOUBLE_EQ(bound.light_tolerance, 0.06 * bound.tolerance);
+}
+
+TEST(Selection, LightTakesOnlyWhatTheRestLeavesAndOneStepForEachTileFirst) {
+    const World& lit = lit_world();
+    const Camera camera = lit.city.camera(512, 100, 30, 0, -15);
+    Selector dark(lit.directory, lit.knowledge), light(lit.directory, lit.knowledge, {}, {}, {}, 0.0);
+    const Selection without = dark.select(camera, 1.0, 1024), whole = light.select(camera, 1.0, 1024);
+    const uint64_t tiles = whole.tiles.size();
+    uint64_t before = 0;
+    for (uint64_t spare = 0; without.cost.slots + spare <= whole.cost.slots; ++spare) {
+        const Selection bound = light.select_within(camera, 1.0, {1024, without.cost.slots + spare, ~uint64_t{0}, 0});
+        EXPECT_EQ(bound.tolerance, 1.0);
+        ASSERT_EQ(bound.tiles.size(), tiles);
+        EXPECT_LE(bound.cost.slots, without.cost.slots + spare);
+        uint64_t lit_tiles = 0, finished = 0, all_steps = 0, left = spare;
+        double finished_least = 1e9, unfinished_most = 0;
+        for (const SelectedTile& tile : bound.tiles) {
+            lit_tiles += light_of(tile) > 0 ? 1 : 0;
+            all_steps += light_of(tile);
+            finished += light_of(tile) == 3 ? 1 : 0;
+            left -= light_slots(lit, tile, light_of(tile));
+            if (light_of(tile) == 3) finished_least = std::min(finished_least, tile.pixels_per_metre);
+            if (light_of(tile) != 3) unfinished_most = std::max(unfinished_most, tile.pixels_per_metre);
+        }
+        EXPECT_TRUE(finished == 0 || lit_tiles == tiles) << "some have all, others nothing";
+        EXPECT_TRUE(lit_tiles == tiles || left == 0) << "one step takes one slot";
+        EXPECT_GE(finished_least, unfinished_most) << "a farther tile has more light than a nearer one";
+        EXPECT_EQ(bound.light_left_out, all_steps < 3 * tiles);
+        EXPECT_GE(all_steps, before);
+        before = all_steps;
+    }
+    EXPECT_EQ(before, 3 * tiles);
+    const uint64_t host = without.cost.wire_bytes + without.cost.largest_scratch;
+    const Selection bound = light.select_within(camera, 1.0, {1024, ~uint64_t{0}, host, 0});
+    EXPECT_EQ(bound.tolerance, 1.0);
+    EXPECT_TRUE(bound.light_left_out);
+    EXPECT_LE(bound.cost.wire_bytes + bound.cost.largest_scratch, host);
+}
+
 TEST(Selection, LeavesFarTilesOutOnlyWhenNothingCoarserIsLeft) {
     World& all = world();
     Selector selector(all.directory, all.knowledge);

@@ -85,6 +85,48 @@ TEST(FlightStatistics, BytesOfLayersAndDictionariesAndSubtreesAreAllThatWasRecei
     EXPECT_GT(of_layers + of_dictionaries, all["wire"].get<uint64_t>() / 2) << "the rest are subtrees";
 }
 
+TEST(FlightStatistics, LightIsCountedByFrameAndInAllAndWithoutItIsNothing) {
+    test::SyntheticOptions with_light;
+    with_light.light = 4;
+    const test::SyntheticCity city(with_light);
+    for (const bool lit : {false, true}) {
+        StreamerOptions options;
+        if (lit) options.light_tolerance = 0.05;
+        test::Flight flight(city, options);
+        FlightDescription description;
+        if (lit) description.environment = "sky";
+        FlightStatistics statistics(description);
+        for (uint64_t i = 0; i < 3; ++i) {
+            flight.update(city.camera(100 + 20.0 * static_cast<double>(i), 60, 12, 30, -20));
+            FlightFrame frame;
+            frame.stream = flight.frame;
+            if (lit) {
+                frame.lighting = {"sky", 1, 0, 9.5, 0.25, 1};
+                frame.counts.radiance_tiles = i == 0 ? 5 : 0;
+                frame.counts.radiance_receivers = i == 0 ? 80 : 0;
+            }
+            statistics.add(std::move(frame));
+        }
+        FlightTotals totals;
+        totals.radiance_pipeline = lit;
+        const Json json = Json::parse(statistics.json(totals));
+        const Json &all = json["summary"]["light"], &first = json["frames"][0]["light"];
+        EXPECT_EQ(all["pipeline"], lit);
+        EXPECT_EQ(json["summary"]["bytes"]["layers"]["radiance"].get<uint64_t>() > 0, lit);
+        EXPECT_EQ(all["decodes"].get<uint64_t>() > 0, lit);
+        EXPECT_EQ(all["layers_most"].get<uint64_t>() > 0, lit);
+        EXPECT_EQ(all["pass_frames"], lit ? 1 : 0);
+        EXPECT_EQ(all["pass_tiles"], lit ? 5 : 0);
+        EXPECT_EQ(all["pass_receivers"], lit ? 80 : 0);
+        EXPECT_EQ(all["tolerance_used_max"], lit ? 0.05 : 0.0);
+        EXPECT_EQ(first["environment"], lit ? "sky" : "");
+        EXPECT_EQ(first["hour"], lit ? 9.5 : 0.0);
+        EXPECT_EQ(first["exposure"], lit ? 0.25 : 0.0);
+        EXPECT_EQ(first["tiles"], lit ? json["frames"][0]["tiles"]["drawn"] : Json(0));
+        EXPECT_EQ(json["flight"]["environment"], lit ? "sky" : "");
+    }
+}
+
 TEST(FlightStatistics, WithoutReliefTheDictionaryCostsNothing) {
     test::SyntheticOptions plain;
     plain.facades = false;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <functional>
 #include <map>
 #include <string>
@@ -18,6 +19,7 @@
 #include "codec/facade/facade_layer.h"
 #include "codec/facade/facade_wire.h"
 #include "codec/mesh/mesh_layer.h"
+#include "codec/radiance/radiance_layer.h"
 #include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/directory.h"
 #include "tiles/tileset/facade_index.h"
@@ -46,6 +48,9 @@ struct SyntheticOptions {
     /// What becomes of the page atlas of one tile before it is written.
     std::pair<TileAddress, std::function<void(LayerSteps&)>> change_atlas;
     bool rough_maps = false;  ///< payloads of a kilobyte and more instead of some tens of bytes
+    uint32_t light = 0;       ///< tiles have radiance layers of so many receivers across, of 4 x 4 texels a face
+    /// What becomes of the radiance layer of one tile before it is written.
+    std::pair<TileAddress, std::function<void(std::vector<codec::radiance::RadianceLayerStep>&)>> change_light;
 };
 
 class SyntheticCity {
@@ -58,7 +63,8 @@ class SyntheticCity {
         manifest.subtree_levels = options.subtree_levels;
         manifest.extent.max = {1024, 1024, 40};
         manifest.root_geometric_error = 100;
-        manifest.has_layer = {true, options.facades, true, false};
+        manifest.has_layer = {true, options.facades, true, options.light > 0};
+        if (options.light > 0) manifest.radiance_texels_across = kLightTexels;
         if (options.facades) write_maps();
         if (options.shared_charts > 0) write_charts();
         write_subtrees({});
@@ -93,6 +99,8 @@ class SyntheticCity {
     std::map<TileAddress, std::vector<codec::atlas::SharedChartUse>> charts_of_tile;
 
   private:
+    static constexpr uint32_t kLightTexels = 4;
+
     void put(const std::string& path, std::span<const std::byte> bytes) {
         entries[path].assign(bytes.begin(), bytes.end());
     }
@@ -271,6 +279,32 @@ class SyntheticCity {
         write_layer(record, Layer::kFacade, codec::facade::encode_facades(facades));
     }
 
+    /// Level ground of which every place sees another part of the sky.
+    void write_light(TileRecord& record, int32_t side) {
+        constexpr uint32_t kUp = 4;
+        codec::radiance::RadianceTile tile;
+        tile.spacing_log2 = std::min(16U, static_cast<uint32_t>(std::bit_width(static_cast<uint32_t>(side))) - 3);
+        tile.visibility.side = kLightTexels;
+        uint32_t state = record.address.level * 7919 + record.address.x * 31 + record.address.y;
+        for (int32_t j = 0; j < static_cast<int32_t>(options_.light); ++j) {
+            for (int32_t i = 0; i < static_cast<int32_t>(options_.light); ++i) {
+                tile.places.push_back({kUp, {i, j}, 0, {0, 0}});
+                tile.visibility.add_receiver(codec::radiance::frame_of_place(tile.places.back()));
+                for (uint32_t s = 0; s < codec::radiance::sample_count(kLightTexels); ++s) {
+                    state = state * 1664525u + 1013904223u;
+                    if (state >> 30 != 0) tile.visibility.set(tile.visibility.receivers() - 1, s);
+                }
+            }
+        }
+        codec::radiance::clear_below_planes(tile.visibility);
+        auto encoded = codec::radiance::encode_radiance_layer(tile, 2, state).value();
+        if (options_.change_light.second && options_.change_light.first == record.address)
+            options_.change_light.second(encoded);
+        std::vector<WireStep> steps;
+        for (auto& step : encoded) steps.push_back({std::move(step.wire), step.decoded_bytes, step.error});
+        write_steps(record, Layer::kRadiance, steps);
+    }
+
     TileRecord make_tile(TileAddress address) {
         TileRecord record;
         record.address = address;
@@ -283,6 +317,7 @@ class SyntheticCity {
         write_mesh(record, grid_side);
         write_atlas(record, side);
         if (options_.facades && address.level + 1 == options_.levels) write_facades(record, grid_side);
+        if (options_.light > 0) write_light(record, grid_side);
         return record;
     }
 

@@ -1,0 +1,53 @@
+// The light on a surface where the frame's light is set: the sky's as the tile's receivers gather it, and the sun's.
+#ifndef CITYSTREAM_SURFACE_LIGHT_GLSL
+#define CITYSTREAM_SURFACE_LIGHT_GLSL
+
+#include "codec/radiance/radiance_layer_layout.h"
+#include "codec/radiance/receiver_layout.h"
+#include "shaders/draw_constants.glsl"
+#include "shaders/receiver_lookup.glsl"
+#include "shaders/sun_shadow.glsl"
+#include "shaders/tone.glsl"
+
+// Shown light of a white surface under the open sky: what is assumed where a tile has no receivers, or none for a point.
+vec3 open_sky_light(LightRecord record, vec3 n) {
+    float basis[AMBIENT_TERMS] = float[AMBIENT_TERMS](1.0, n.x, n.y, n.z, n.x * n.y, n.y * n.z, n.z * n.x, n.z * n.z, n.x * n.x - n.y * n.y);
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < AMBIENT_TERMS; ++i)
+        sum += vec3(record.light.ambient[3 * i], record.light.ambient[3 * i + 1], record.light.ambient[3 * i + 2]) * basis[i];
+    return max(sum, vec3(0.0));
+}
+
+// Shown light of a white surface. `place`: grid units from the tile's origin; `face`: normal of the surface, any length;
+// `normal`: unit normal that it is shaded by.
+vec3 sky_light(RadianceDraw draw, vec3 place, vec3 face, vec3 normal) {
+    LightRecord record = LightRecord(layer_reference(draw.light));
+    uvec2 layer = layer_reference(draw.layer);
+    if (layer == uvec2(0u)) return open_sky_light(record, normal);
+    ReceiverShares shares = receiver_shares(layer, place, face);
+    if (shares.count == 0u) return open_sky_light(record, normal);
+    // Irradiance follows the receivers' own words (codec/radiance/radiance_layer.h).
+    uint first = layer_word(layer, uint(RECEIVER_WORD_ENTRIES)) + layer_word(layer, uint(RECEIVER_WORD_COUNT));
+    vec3 sum = vec3(0.0);
+    for (uint k = 0u; k < shares.count; ++k) {
+        uint at = first + uint(IRRADIANCE_WORDS) * shares.receiver[k];
+        uint blue = layer_word(layer, at + 1u);
+        if (blue >> 16 == 0u) return open_sky_light(record, normal);  // the light passes have not run
+        sum += shares.weight[k] * vec3(unpackHalf2x16(layer_word(layer, at)), unpackHalf2x16(blue).x);
+    }
+    return sum * light_vec3(record.light.sky);
+}
+
+// The sun's, of which `share` reaches the surface.
+vec3 sun_light(LightRecord record, vec3 normal, float share) {
+    return light_vec3(record.light.sun) * (max(0.0, dot(normal, light_vec3(record.light.to_sun))) * share);
+}
+
+bool sun_reaches(LightRecord record, vec3 normal) {
+    return dot(normal, light_vec3(record.light.to_sun)) > 0.0 && light_vec3(record.light.sun) != vec3(0.0);
+}
+
+// Metres from the camera.
+vec3 metres_of_place(vec3 place) { return (vec3(tile_origin()) + place) * kMetresPerGridUnit - vec3_of(constants.frame.camera_fraction); }
+
+#endif
