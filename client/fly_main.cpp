@@ -424,12 +424,15 @@ void prepare_light(const tiles::tileset::Manifest& manifest, FlightLight& light)
 Result<std::optional<DrawnFrame>> draw_city(const FlyOptions& options, CityStreamer& streamer, VulkanRenderer& renderer,
                                             std::optional<FlightLight>& light, const Camera& camera,
                                             FlightFrame& frame) {
+    if (light) {
+        const FrameLight& lit = light->at(frame.t, frame.lighting);
+        const Status set = renderer.set_light(&lit);
+        if (!set) return set.error();
+        streamer.set_sun(lit.sun ? std::optional(lit.sun->direction) : std::nullopt);
+    }
     const std::vector<TileDraw>& draws = streamer.update(camera, frame.stream);
     if (stop_requested) return std::optional<DrawnFrame>();
-    if (light) {
-        const Status set = renderer.set_light(&light->at(frame.t, frame.lighting));
-        if (!set) return set.error();
-    }
+    renderer.set_casters(streamer.casters());
     auto image = renderer.draw(camera, draws, &frame.timings);
     if (!image) return image.error();
     frame.counts = renderer.counts();

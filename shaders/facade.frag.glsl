@@ -125,7 +125,7 @@ float sun_on_wall(LightRecord record, vec3 at) {
 
 vec3 mean_colour(vec3 at, float hits) {
     LightRecord record = LightRecord(layer_reference(radiance_draw().light));
-    float share = sun_on_wall(record, at);
+    float share = kSun ? sun_on_wall(record, at) : 0.0;
     vec3 sum = vec3(0.0);
     for (uint left = hit_sides; left != 0u; left &= left - 1u) {
         int side = findLSB(left);

@@ -43,7 +43,7 @@ vec4 lit(vec3 texel, vec3 towards) {
     RadianceDraw draw = LitDrawRecord(layer_reference(constants.tile.mesh_draw)).lit.radiance;
     LightRecord record = LightRecord(layer_reference(draw.light));
     vec3 light = sky_light(draw, place, face_normal(towards), towards);
-    if (sun_reaches(record, towards)) light += sun_light(record, towards, sun_share(record, metres_of_place(place), towards));
+    if (kSun && sun_reaches(record, towards)) light += sun_light(record, towards, sun_share(record, metres_of_place(place), towards));
     return vec4(shown_light(srgb_decoded(texel) * light), 1.0);
 }
 #endif

@@ -9,6 +9,10 @@
 #include "shaders/sun_shadow.glsl"
 #include "shaders/tone.glsl"
 
+// Of the pipeline: the frame's light has a sun; the tile has receivers.
+layout(constant_id = SUN_CONSTANT) const bool kSun = true;
+layout(constant_id = RECEIVERS_CONSTANT) const bool kReceivers = true;
+
 // Shown light of a white surface under the open sky: what is assumed where a tile has no receivers, or none for a point.
 vec3 open_sky_light(LightRecord record, vec3 n) {
     float basis[AMBIENT_TERMS] = float[AMBIENT_TERMS](1.0, n.x, n.y, n.z, n.x * n.y, n.y * n.z, n.z * n.x, n.z * n.z, n.x * n.x - n.y * n.y);
@@ -22,20 +26,24 @@ vec3 open_sky_light(LightRecord record, vec3 n) {
 // `normal`: unit normal that it is shaded by.
 vec3 sky_light(RadianceDraw draw, vec3 place, vec3 face, vec3 normal) {
     LightRecord record = LightRecord(layer_reference(draw.light));
-    uvec2 layer = layer_reference(draw.layer);
-    if (layer == uvec2(0u)) return open_sky_light(record, normal);
-    ReceiverShares shares = receiver_shares(layer, place, face);
-    if (shares.count == 0u) return open_sky_light(record, normal);
-    // Irradiance follows the receivers' own words (codec/radiance/radiance_layer.h).
-    uint first = layer_word(layer, uint(RECEIVER_WORD_ENTRIES)) + layer_word(layer, uint(RECEIVER_WORD_COUNT));
+    bool lit = false;
     vec3 sum = vec3(0.0);
-    for (uint k = 0u; k < shares.count; ++k) {
-        uint at = first + uint(IRRADIANCE_WORDS) * shares.receiver[k];
-        uint blue = layer_word(layer, at + 1u);
-        if (blue >> 16 == 0u) return open_sky_light(record, normal);  // the light passes have not run
-        sum += shares.weight[k] * vec3(unpackHalf2x16(layer_word(layer, at)), unpackHalf2x16(blue).x);
+    if (kReceivers) {
+        uvec2 layer = layer_reference(draw.layer);
+        ReceiverShares shares = receiver_shares(layer, place, face);
+        if (shares.found) {
+            // Irradiance follows the receivers' own words (codec/radiance/radiance_layer.h).
+            uvec4 header = layer_words4(layer, 0u);
+            uint first = header[RECEIVER_WORD_ENTRIES] + header[RECEIVER_WORD_COUNT];
+            for (uint k = 0u; k < 4u; ++k) {
+                uint at = first + uint(IRRADIANCE_WORDS) * shares.receiver[k];
+                uint blue = layer_word(layer, at + 1u);
+                lit = blue >> 16 != 0u;  // of all alike: whether the light passes have run
+                sum += shares.weight[k] * vec3(unpackHalf2x16(layer_word(layer, at)), unpackHalf2x16(blue).x);
+            }
+        }
     }
-    return sum * light_vec3(record.light.sky);
+    return lit ? sum * light_vec3(record.light.sky) : open_sky_light(record, normal);
 }
 
 // The sun's, of which `share` reaches the surface.

@@ -32,6 +32,9 @@ using uint = uint32_t;
 /* (uint): MeshDrawConstants::form of the ranges that are drawn, or any; strip code is drawn by pipelines that say so.
  */
 #define MESH_FORM_CONSTANT 6
+/* Of passes in frames with a light: it has a sun; the tile has a radiance layer. */
+#define SUN_CONSTANT 7
+#define RECEIVERS_CONSTANT 8
 #define MESH_FORM_ANY 0xffffffffu
 
 /* Of a frame. Directions are the camera's axes, scaled so that clip.xyw = row * p and clip.z = near_plane (reversed z,

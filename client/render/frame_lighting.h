@@ -31,6 +31,8 @@ class FrameLighting {
     /// Before a layer is destroyed.
     void forget(LayerId layer) { passes_.forget(layer); }
 
+    bool has_sun() const { return sun_.has_value(); }  ///< above the horizon or below
+
     /// A frame: plan what its tiles miss; have the cascades drawn, if there are any, into shadow_maps(); record.
     Status plan(const Camera& camera, std::span<const TileDraw> tiles);
     /// None without a sun above the horizon.

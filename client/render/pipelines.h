@@ -30,6 +30,8 @@ struct PassVariant {
     codec::atlas::FacadeTint tint = {};
     uint32_t mesh_form = MESH_FORM_ANY;  ///< of the ranges: RESIDENT_KIND_* | RESIDENT_FLAG_* << 8
     bool lit = false;                    ///< by the frame's light: of the mesh and the facade pass
+    bool sun = false;                    ///< where lit: the light has one
+    bool receivers = false;              ///< where lit: the tile has a radiance layer
     auto operator<=>(const PassVariant&) const = default;
 };
 

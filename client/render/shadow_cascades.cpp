@@ -1,6 +1,7 @@
 #include "client/render/shadow_cascades.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "codec/grid.h"
@@ -78,6 +79,10 @@ void set_plane(const Vector& axis, double scale, const Vector& from, double at, 
 }
 
 }  // namespace
+
+uint32_t shadow_side(uint32_t width, uint32_t height) {
+    return std::bit_ceil(std::clamp(std::max(width, height), 512U, 2048U));
+}
 
 std::array<CascadeView, SHADOW_CASCADES> shadow_cascades(const Camera& camera, const std::array<double, 3>& to_sun,
                                                          uint32_t side) {

@@ -25,6 +25,9 @@ struct CascadeView {
     double depth_metres = 1;  ///< from depth 0 to 1, which is nearest to the sun; the centre has 0.5
 };
 
+/// Texels of a map for a frame of so many samples: its greater side rounded up to a power of two, 512..2048.
+uint32_t shadow_side(uint32_t width, uint32_t height);
+
 /// `to_sun`: unit vector; `side`: texels of a map, at least 64. A multiple of a texel that the camera moves by moves
 /// the centres by the same.
 std::array<CascadeView, SHADOW_CASCADES> shadow_cascades(const Camera& camera, const std::array<double, 3>& to_sun,

@@ -153,7 +153,13 @@ class Renderer final : public VulkanRenderer {
             if ((range.form & 255) == RESIDENT_KIND_PRISMS && runs == nullptr) variant.mesh_form |= MESH_FORM_SHARED;
             return variant;
         }
-        PassVariant facade() const { return {mesh.reading, mesh.form, {}, false, mesh.tint, MESH_FORM_ANY, mesh.lit}; }
+        PassVariant facade() const {
+            PassVariant variant = mesh;
+            variant.transport = {};
+            variant.alpha_test = false;
+            variant.mesh_form = MESH_FORM_ANY;
+            return variant;
+        }
         PassVariant occluder() const { return {mesh.reading, {}, {}, false, {}}; }
     };
     /// Made when the first tile needs them.
@@ -480,6 +486,8 @@ Result<Renderer::DrawnTile> Renderer::add_to_tables(FrameTables& tables, const T
     drawn.mesh.alpha_test = tile.alpha_test;
     drawn.mesh.tint = options_.facade_tint;
     drawn.mesh.lit = kind_ == Frame::kLit;
+    drawn.mesh.sun = drawn.mesh.lit && lighting_->has_sun();
+    drawn.mesh.receivers = drawn.mesh.lit && tile.radiance != kNoLayer;
     return drawn;
 }
 
@@ -667,7 +675,10 @@ Status Renderer::draw_cascade(const Camera& camera, uint32_t cascade) {
 
 // Everything that a frame with a light needs before its own tables.
 Status Renderer::prepare_light(const Camera& camera, std::span<const TileDraw> tiles) {
-    if (!lighting_) lighting_.emplace(device_, pool_, target_.load_pass, options_.shadow_side);
+    if (!lighting_) {
+        const uint32_t side = shadow_side(target_.width * target_.scale, target_.height * target_.scale);
+        lighting_.emplace(device_, pool_, target_.load_pass, options_.shadow_side.value_or(side));
+    }
     if (light_is_new_) lighting_->set_light(*light_);
     light_is_new_ = false;
     if (const Status status = lighting_->plan(camera, tiles); !status) return status.error();
@@ -821,7 +832,7 @@ Status check_options(const RendererOptions& options) {
         uint64_t{options.height} * options.supersample > 16384) {
         return Error{"pictures are at most 16384 samples wide and high"};
     }
-    if (options.shadow_side < 64 || options.shadow_side > 8192)
+    if (options.shadow_side && (*options.shadow_side < 64 || *options.shadow_side > 8192))
         return Error{"shadow maps have 64 to 8192 texels a side"};
     return Done{};
 }

@@ -35,8 +35,9 @@ struct RendererOptions {
     /// that need more are drawn in rounds; one range at least must fit.
     uint64_t index_arena_bytes = 64ull << 20;
     codec::atlas::FacadeTint facade_tint;  ///< of walls; none by default
-    uint32_t shadow_side = 2048;  ///< texels of each of the sun's shadow maps, where a light has a sun: 64..8192
-    bool validation = false;      ///< Khronos validation with synchronization validation; messages are counted
+    /// Texels of each of the sun's shadow maps, where a light has a sun: 64..8192. Empty: shadow_side of the frame.
+    std::optional<uint32_t> shadow_side;
+    bool validation = false;  ///< Khronos validation with synchronization validation; messages are counted
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h
 };
 

@@ -22,6 +22,8 @@ double raised(double tolerance, int k) {
     return tolerance * std::exp2(k / 4.0);
 }
 
+}  // namespace
+
 bool fits(const SelectionCost& cost, const SelectionBudget& budget) {
     const uint64_t host = cost.wire_bytes + cost.layers * budget.host_bytes_per_layer + cost.largest_scratch;
     return cost.slots <= budget.slots && host <= budget.host_bytes;
@@ -33,8 +35,6 @@ void add_layer_cost(Layer layer, uint64_t wire, uint64_t decoded, uint64_t slot_
     cost.slots += (decoded + slot_bytes - 1) / slot_bytes;
     cost.largest_scratch = std::max(cost.largest_scratch, decode_scratch_bytes(layer, decoded));
 }
-
-}  // namespace
 
 bool can_be_drawn(const DirectoryCache& directory, const CityKnowledge& knowledge, NodeIndex index) {
     const DirectoryNode& node = directory.node(index);

@@ -65,6 +65,12 @@ struct SelectionBudget {
     uint64_t host_bytes_per_layer = 0;  ///< book-keeping of a layer, beside its wire bytes
 };
 
+bool fits(const SelectionCost& cost, const SelectionBudget& budget);
+
+/// Adds a prefix of a layer (not of light) of so many bytes.
+void add_layer_cost(tiles::tileset::Layer layer, uint64_t wire, uint64_t decoded, uint64_t slot_bytes,
+                    SelectionCost& cost);
+
 /// Share of the tolerance that positions take where nothing else is asked for: five bits more a coordinate than with
 /// all of it, and edges stay where they are.
 inline constexpr double kPositionShare = 1.0 / 32;

@@ -7,6 +7,8 @@
 
 #include "client/cache/directory_cache.h"
 #include "client/cache/layer_cache.h"
+#include "client/render/shadow_cascades.h"
+#include "client/select/caster_selection.h"
 #include "client/select/selection.h"
 #include "client/stream/chart_residency.h"
 #include "client/stream/dictionary_pieces.h"
@@ -90,12 +92,17 @@ class Streamer final : public CityStreamer {
     const Manifest& manifest() const override { return directory_.manifest(); }
     const std::vector<TileDraw>& update(const Camera& camera, StreamerFrame& frame) override;
     void set_tolerance(double pixels) override { options_.tolerance_pixels = pixels; }
+    void set_sun(std::optional<std::array<double, 3>> to_sun) override { to_sun_ = to_sun; }
+    const std::vector<TileDraw>& casters() const override { return *caster_draws_; }
 
   private:
     void advance_waiting(const Camera& camera);
     void advance_realtime(const Camera& camera);
     bool fetch_all_in_sight(const Camera& camera);
     void choose(const Camera& camera);
+    SelectionBudget selection_budget() const;
+    std::vector<PlannedRequest> plan_shadows(const Camera& camera);
+    void choose_shadows(const Camera& camera);
     void pin_root();
     SelectedTile stand_in() const;
     void mark_needed();
@@ -135,6 +142,10 @@ class Streamer final : public CityStreamer {
     }
 
     const std::vector<TileDraw>& make_draws();
+    bool is_caster(NodeIndex node) const {
+        return std::any_of(casters_.tiles.begin(), casters_.tiles.end(),
+                           [&](const SelectedTile& tile) { return tile.node == node; });
+    }
     bool is_selected(NodeIndex node) const { return node < marks_.size() && marks_[node].selected == serial_; }
     bool is_refined(NodeIndex node) const { return node < marks_.size() && marks_[node].refined == serial_; }
     const SelectedTile* wanted_tile(NodeIndex node) const {
@@ -173,12 +184,15 @@ class Streamer final : public CityStreamer {
     Selection selection_;
     std::vector<SelectedTile> needed_;        ///< the selection, and in realtime mode the root
     std::vector<ChartPrefix> needed_charts_;  ///< of them all
+    CasterChoice casters_;                    ///< beside them
+    std::optional<std::array<double, 3>> to_sun_;
     std::vector<Mark> marks_;
     uint64_t serial_ = 0, update_ = 0;
     std::map<uint64_t, InFlight> in_flight_;
     uint64_t next_id_ = 1;
     bool facade_index_requested_ = false, chart_index_requested_ = false;
     DrawList draw_list_;
+    const std::vector<TileDraw>* caster_draws_ = &draw_list_.make_casters({});
     StreamerFrame* frame_ = nullptr;
 };
 
@@ -208,6 +222,8 @@ const std::vector<TileDraw>& Streamer::update(const Camera& camera, StreamerFram
         advance_realtime(camera);
     }
     const std::vector<TileDraw>& draws = make_draws();
+    caster_draws_ = &draw_list_.make_casters(casters_);
+    frame.caster_tiles = caster_draws_->size();
     const ResidencyCounters counters = std::exchange(counters_, {});
     frame.decoded_bytes = counters.decoded_bytes;
     frame.decode_ms = counters.decode_ms;
@@ -251,7 +267,8 @@ void Streamer::advance_waiting(const Camera& camera) {
 
 /// Rounds of choosing and fetching until the choice is here, up to a horizon that recedes. What a choice turns out to
 /// depend on (subtrees, placements, damage, sizes of converted maps) makes another round. False: there is no room for
-/// it. Light comes when all else is here: nothing is fetched and decoded for tiles that turn out to be hidden.
+/// it. Light comes when all else is here: nothing is fetched and decoded for tiles that turn out to be hidden. Then
+/// come tiles out of view that cast shadows into it: which they are depends on what is drawn.
 bool Streamer::fetch_all_in_sight(const Camera& camera) {
     for (int round = 0; round < kMostRounds && !stopped(); ++round) {
         const uint64_t known = dictionary_changes();
@@ -263,6 +280,7 @@ bool Streamer::fetch_all_in_sight(const Camera& camera) {
         if (requests.empty()) {
             if (occlusion_.look_farther(selection_)) continue;
             requests = plan_light(directory_, knowledge_, cache_, needed_, camera);
+            if (requests.empty()) requests = plan_shadows(camera);
             if (requests.empty() || !drain(requests)) return true;
         } else if (!drain(requests)) {
             return false;
@@ -274,19 +292,58 @@ bool Streamer::fetch_all_in_sight(const Camera& camera) {
 void Streamer::advance_realtime(const Camera& camera) {
     for (FetchResult& result : fetcher_.poll()) receive(result);
     choose(camera);
+    std::vector<PlannedRequest> shadows = plan_shadows(camera);
     count_hits();
     cancel_unwanted();
     upload_all();
+    const uint32_t most = options_.max_requests_in_flight;
     for (const PlannedRequest& request : plan(camera, false)) {
         // The next view's tiles shall not have to wait for the light of this one.
-        const uint32_t most = options_.max_requests_in_flight;
         if (in_flight_.size() >= (is_light(request) ? (most + 1) / 2 : most)) break;
+        if (admit(request)) submit(request);
+    }
+    if (!in_flight_.empty()) return;
+    shadows.resize(std::min<size_t>(shadows.size(), (most + 3) / 4));
+    for (const PlannedRequest& request : shadows) {
         if (admit(request)) submit(request);
     }
 }
 
-void Streamer::choose(const Camera& camera) {
+/// Chooses what is out of view and casts shadows into it, brings what is here of it to the store, and says what is
+/// missing.
+std::vector<PlannedRequest> Streamer::plan_shadows(const Camera& camera) {
+    if (!to_sun_ || !((*to_sun_)[2] > 0) || directory_.nodes().empty()) return {};
+    choose_shadows(camera);
+    trim_to_budget();
+    upload_all();
+    for (const SelectedTile& tile : casters_.tiles) residency_.upload(tile);
+    const std::vector<TileAddress> none;
+    return plan_casters(directory_, knowledge_, cache_, casters_.tiles, has_host_room() ? casters_.subtrees : none,
+                        camera);
+}
+
+void Streamer::choose_shadows(const Camera& camera) {
     const Clock::time_point begin = Clock::now();
+    const auto& city = directory_.node(0).record->bounds;
+    CasterQuestion question;
+    question.camera = camera;
+    question.limits = {*to_sun_, kCascadeEnds.back(), kCasterReach, city.min[2], city.max[2]};
+    question.tolerance = selection_.tolerance;
+    question.position_tolerance = selection_.position_tolerance;
+    question.drawn = [this](NodeIndex node) { return is_selected(node); };
+    question.refined = [this](NodeIndex node) { return is_refined(node); };
+    casters_ = choose_casters(directory_, knowledge_, question, selection_budget(), selection_.cost);
+    // The root that stands in for a view is here with more steps.
+    std::erase_if(casters_.tiles, [&](const SelectedTile& tile) { return wanted_tile(tile.node) != nullptr; });
+    for (const SelectedTile& tile : casters_.tiles) cache_.need(cache_.at(layer_key(tile.node, Layer::kMesh)));
+    if (casters_.left_out) {
+        warnings_.add("the budgets do not hold all that casts shadows from out of this view; some shadows are missing");
+    }
+    frame_->select_ms += milliseconds_since(begin);
+}
+
+/// In realtime mode without the root's room.
+SelectionBudget Streamer::selection_budget() const {
     SelectionBudget budget;
     budget.slot_bytes = store_.slot_bytes();
     budget.slots = store_.slot_count();
@@ -304,7 +361,13 @@ void Streamer::choose(const Camera& camera) {
         }
         budget.slots -= std::min(budget.slots, reserve);
     }
-    selection_ = selector_.select_within(camera, options_.tolerance_pixels, budget);
+    return budget;
+}
+
+void Streamer::choose(const Camera& camera) {
+    const Clock::time_point begin = Clock::now();
+    casters_ = {};
+    selection_ = selector_.select_within(camera, options_.tolerance_pixels, selection_budget());
     needed_ = selection_.tiles;
     ++serial_;
     for (const SelectedTile& tile : selection_.tiles) marks_[tile.node].selected = serial_;
@@ -373,7 +436,7 @@ void Streamer::mark_needed() {
 /// Calls visit(entry, steps, decoded bytes, wire bytes) for every layer in steps and its wanted prefix.
 template <typename Visit>
 void Streamer::visit_needed_layers(const Visit& visit) {
-    for (const SelectedTile& tile : needed_) {
+    const auto visit_tile = [&](const SelectedTile& tile) {
         const auto& record = *directory_.node(tile.node).record;
         for (size_t layer = 0; layer < kLayerCount; ++layer) {
             const uint32_t steps = tile.steps[layer];
@@ -381,7 +444,9 @@ void Streamer::visit_needed_layers(const Visit& visit) {
             visit(cache_.at(layer_key(tile.node, static_cast<Layer>(layer))), steps,
                   decoded_prefix_bytes(record.layers[layer], steps), wire_prefix_bytes(record.layers[layer], steps));
         }
-    }
+    };
+    for (const SelectedTile& tile : needed_) visit_tile(tile);
+    for (const SelectedTile& tile : casters_.tiles) visit_tile(tile);
     for (const ChartPrefix& chart : needed_charts_) {
         visit(cache_.at(chart_key(chart.chart)), chart.levels, knowledge_.charts.decoded_bytes(chart),
               knowledge_.charts.wire_bytes(chart));
@@ -531,6 +596,7 @@ bool Streamer::still_wanted(const PlannedRequest& request) {
             return true;
         case RequestKind::kLayer: {
             const SelectedTile* tile = wanted_tile(request.node);
+            if (request.layer == Layer::kMesh && is_caster(request.node)) return true;
             return tile != nullptr && tile->steps_of(request.layer) > request.from;
         }
         case RequestKind::kMaps:

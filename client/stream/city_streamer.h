@@ -75,6 +75,7 @@ struct StreamerFrame {
     uint64_t light_layers = 0;                                             ///< radiance layers in the store after it
     uint64_t light_decodes = 0;                                            ///< prefixes of them
     double light_decode_ms = 0;                                            ///< all cores together
+    uint64_t caster_tiles = 0;                                             ///< in casters()
     double light_tolerance_used = 0;                                       ///< relative radiance; 0: no light is wanted
     uint64_t gpu_bytes_used = 0;                                           ///< slots in use, in bytes
     uint64_t host_bytes_used = 0;      ///< highest value during this update: held and reserved
@@ -103,6 +104,12 @@ class CityStreamer {
     virtual const tiles::tileset::Manifest& manifest() const = 0;
     /// Advances to a camera; the result stays valid until the next call.
     virtual const std::vector<TileDraw>& update(const Camera& camera, StreamerFrame& frame) = 0;
+    /// Of updates from here on: a unit vector to the sun whose shadows are drawn. Nothing, as in the beginning, or one
+    /// that is not above the horizon: no tile out of view is asked for.
+    virtual void set_sun(std::optional<std::array<double, 3>> to_sun) = 0;
+    /// Of the last update: tiles that are not drawn and whose shadows can fall into the view, with their meshes alone.
+    /// What the budgets do not hold beside the view is left out.
+    virtual const std::vector<TileDraw>& casters() const = 0;
     virtual void set_tolerance(double pixels) = 0;
 };
 

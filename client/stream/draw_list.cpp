@@ -18,6 +18,8 @@ const std::vector<TileDraw>& DrawList::make(const Selection& selection, const Se
     const CoverQuestions ask = {view.selected, view.refined, [&](NodeIndex node) { return selector_.visible(node); },
                                 [&](NodeIndex node) { return residency_.drawable(node); }};
     const std::vector<NodeIndex> cover = cover_view(directory_, ask);
+    covered_ = cover;
+    std::sort(covered_.begin(), covered_.end());
     uint64_t as_chosen = 0;
     for (const NodeIndex node : cover) {
         const bool chosen = view.selected(node);
@@ -36,6 +38,26 @@ const std::vector<TileDraw>& DrawList::make(const Selection& selection, const Se
     return draws_;
 }
 
+const std::vector<TileDraw>& DrawList::make_casters(const CasterChoice& casters) {
+    caster_draws_.clear();
+    for (const SelectedTile& tile : casters.tiles) {
+        if (is_covered(tile.node)) continue;
+        auto draw = residency_.draw_mesh(tile.node, tile.steps_of(Layer::kMesh));
+        if (!draw) continue;
+        drop_positions(tile.node, casters.positions, &tile, *draw);
+        caster_draws_.push_back(std::move(*draw));
+    }
+    return caster_draws_;
+}
+
+/// By itself or by an ancestor that stands in for what is on its way.
+bool DrawList::is_covered(NodeIndex node) const {
+    for (NodeIndex up = node; up != kNoNode; up = directory_.node(up).parent) {
+        if (std::binary_search(covered_.begin(), covered_.end(), up)) return true;
+    }
+    return false;
+}
+
 /// Waiting mode draws exactly the chosen prefixes and levels, so that a frame depends on its camera alone; realtime
 /// mode draws all steps that are resident. Of light, which wants the same prefix in every view that fits its budgets,
 /// both show what is resident.
@@ -47,7 +69,7 @@ void DrawList::add(NodeIndex node, const Selection& selection, const SelectedTil
     draw.radiance = lights_.to_draw(node, shown);
     if (draw.radiance != kNoLayer) ++frame.light_tiles;
     clamp_mips(node, selection.texel_tolerance, draw);
-    drop_positions(node, selection, tile, draw);
+    drop_positions(node, selection.positions, tile, draw);
     count_bits(node, draw);
     std::vector<PlacementLevel> levels;
     if (tile == nullptr || tile->has_relief()) levels = selector_.placement_levels_of(node, selection.tolerance);
@@ -75,12 +97,12 @@ void DrawList::clamp_mips(NodeIndex node, double pixels, TileDraw& draw) const {
 }
 
 /// Nothing finer than chosen is shown, whatever is here: what a vertex shows depends on the camera alone.
-void DrawList::drop_positions(NodeIndex node, const Selection& selection, const SelectedTile* tile,
+void DrawList::drop_positions(NodeIndex node, const PositionRule& positions, const SelectedTile* tile,
                               TileDraw& draw) const {
     const auto dropped = dropped_bits(directory_.node(node).record->steps(Layer::kMesh));
     size_t shown = std::min<size_t>(draw.mesh_steps, dropped.size());
     if (tile != nullptr) shown = std::min<size_t>(shown, tile->steps_of(Layer::kMesh));
-    draw.drop_rule = selection.positions.drop;
+    draw.drop_rule = positions.drop;
     draw.mesh_least_dropped = shown > 0 ? dropped[shown - 1] : 0;
 }
 

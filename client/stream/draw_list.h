@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/cache/directory_cache.h"
+#include "client/select/caster_selection.h"
 #include "client/select/selection.h"
 #include "client/stream/city_streamer.h"
 #include "client/stream/light_residency.h"
@@ -34,11 +35,15 @@ class DrawList {
 
     /// Draws of the view that was chosen last; fills the frame's counts of tiles and errors. Valid until the next call.
     const std::vector<TileDraw>& make(const Selection& selection, const SelectionView& view, StreamerFrame& frame);
+    /// Those of the casters whose meshes are here and that nothing of the last make() covers. Valid until the next
+    /// call.
+    const std::vector<TileDraw>& make_casters(const CasterChoice& casters);
 
   private:
     void add(NodeIndex node, const Selection& selection, const SelectedTile* tile, StreamerFrame& frame);
     void clamp_mips(NodeIndex node, double pixels, TileDraw& draw) const;
-    void drop_positions(NodeIndex node, const Selection& selection, const SelectedTile* tile, TileDraw& draw) const;
+    void drop_positions(NodeIndex node, const PositionRule& positions, const SelectedTile* tile, TileDraw& draw) const;
+    bool is_covered(NodeIndex node) const;
     void count_bits(NodeIndex node, const TileDraw& draw);
     double geometry_error_metres(NodeIndex node, const TileDraw& draw) const;
     double position_error_pixels(NodeIndex node, const Selection& selection, const TileDraw& draw) const;
@@ -50,7 +55,8 @@ class DrawList {
     LightResidency& lights_;
     Selector& selector_;
     const StreamerOptions& options_;
-    std::vector<TileDraw> draws_;
+    std::vector<TileDraw> draws_, caster_draws_;
+    std::vector<NodeIndex> covered_;                           ///< by draws_: ascending
     uint64_t triangles_ = 0, full_bits_ = 0, shown_bits_ = 0;  ///< of draws_
 };
 

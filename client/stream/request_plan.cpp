@@ -20,6 +20,7 @@ constexpr double kFacadeIndexPriority = 1e150;
 constexpr double kChartIndexPriority = 1e249;  // no tile that names shared charts is drawn without it
 constexpr double kLeastGain = 1e-3;            // pixels: keeps an order among steps that promise nothing
 constexpr double kLight = 1e-100;              // factor on the gain of light, below all else
+constexpr double kCasters = 1e-200;            // factor on the gain of casters, below light
 constexpr double kErrorWithoutLight = 1;       // all of the light may be blocked
 
 class Planner {
@@ -33,8 +34,8 @@ class Planner {
           stand_in_(stand_in),
           coarse_first_(coarse_first) {}
 
-    void add_subtrees(const Selection& selection) {
-        for (const auto& address : selection.subtrees) {
+    void add_subtrees(const std::vector<tiles::tileset::TileAddress>& subtrees) {
+        for (const auto& address : subtrees) {
             PlannedRequest request;
             request.kind = RequestKind::kSubtree;
             request.subtree = address;
@@ -395,7 +396,7 @@ std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const
                                           const std::vector<SelectedTile>& tiles, NodeIndex stand_in,
                                           const Camera& camera, const PlanOptions& options) {
     Planner planner(directory, knowledge, cache, camera, stand_in, options.coarse_first);
-    planner.add_subtrees(selection);
+    planner.add_subtrees(selection.subtrees);
     if (options.directory_first && !planner.out.empty()) return std::move(planner.out);
 
     bool names_charts = false;
@@ -444,6 +445,22 @@ std::vector<PlannedRequest> plan_light(const DirectoryCache& directory, const Ci
                                        const Camera& camera) {
     Planner planner(directory, knowledge, cache, camera, kNoNode, false);
     for (const SelectedTile& tile : tiles) planner.add_light(tile);
+    order(planner.out);
+    return std::move(planner.out);
+}
+
+std::vector<PlannedRequest> plan_casters(const DirectoryCache& directory, const CityKnowledge& knowledge,
+                                         LayerCache& cache, const std::vector<SelectedTile>& casters,
+                                         const std::vector<tiles::tileset::TileAddress>& subtrees,
+                                         const Camera& camera) {
+    Planner planner(directory, knowledge, cache, camera, kNoNode, false);
+    planner.add_subtrees(subtrees);
+    if (planner.out.empty()) {
+        for (const SelectedTile& tile : casters) planner.add_tile(tile);
+    }
+    for (PlannedRequest& request : planner.out) {
+        request.priority = kCasters * (request.kind == RequestKind::kSubtree ? 1 : request.priority);
+    }
     order(planner.out);
     return std::move(planner.out);
 }

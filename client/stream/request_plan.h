@@ -68,6 +68,12 @@ std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const
 std::vector<PlannedRequest> plan_light(const DirectoryCache& directory, const CityKnowledge& knowledge,
                                        LayerCache& cache, const std::vector<SelectedTile>& tiles, const Camera& camera);
 
+/// The same for the meshes of tiles that only cast shadows: below light.
+std::vector<PlannedRequest> plan_casters(const DirectoryCache& directory, const CityKnowledge& knowledge,
+                                         LayerCache& cache, const std::vector<SelectedTile>& casters,
+                                         const std::vector<tiles::tileset::TileAddress>& subtrees,
+                                         const Camera& camera);
+
 inline bool is_light(const PlannedRequest& request) {
     return request.kind == RequestKind::kLayer && request.layer == tiles::tileset::Layer::kRadiance;
 }

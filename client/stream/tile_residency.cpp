@@ -152,18 +152,20 @@ void TileResidency::learn_facade_maps(NodeIndex node) {
 
 void TileResidency::upload(const SelectedTile& wanted) {
     for (const Layer layer : {Layer::kAtlas, Layer::kMesh, Layer::kFacade}) {
-        upload_layer(wanted.node, layer, wanted.steps_of(layer));
+        upload_layer(wanted, layer);
     }
 }
 
-void TileResidency::upload_layer(NodeIndex node, Layer layer, uint32_t wanted) {
+void TileResidency::upload_layer(const SelectedTile& tile, Layer layer) {
+    const NodeIndex node = tile.node;
+    const uint32_t wanted = tile.steps_of(layer);
     if (wanted == 0) return;
     CachedLayer* entry = cache_.find(layer_key(node, layer));
     if (entry == nullptr) return;
     const uint32_t steps = std::min(wanted, entry->wire_steps);
     if (steps <= entry->store_steps) return;
     const TileRecord& record = *directory_.node(node).record;
-    const bool waits_for_charts = layer != Layer::kAtlas && !record.steps(Layer::kAtlas).empty();
+    const bool waits_for_charts = layer != Layer::kAtlas && tile.steps_of(Layer::kAtlas) > 0;
     if (decode_ && waits_for_charts && !facts_[node].charts_known) return;
     const uint64_t bytes = decoded_prefix_bytes(record.steps(layer), steps);
     if (!cache_.free_slots(cache_.slots_for(bytes) - cache_.slots_for(entry->store_bytes))) return;
@@ -233,6 +235,11 @@ bool TileResidency::decode_to_store(CachedLayer& entry, NodeIndex node, Layer la
 
 void TileResidency::remember_atlas(NodeIndex node, uint32_t steps, const LayerFacts& facts) {
     Facts& known = facts_[node];
+    if (!known.charts_known) {
+        // A mesh that came without the atlas may name charts that this one does not have: it is read once more.
+        CachedLayer* mesh = cache_.find(layer_key(node, Layer::kMesh));
+        if (mesh != nullptr) cache_.drop_store(*mesh);
+    }
     known.charts_known = true;
     known.atlas_form = facts.atlas.form;
     known.chart_count = facts.atlas.chart_count;
@@ -292,19 +299,28 @@ void TileResidency::add_atlas(NodeIndex node, CachedLayer& atlas, const Selected
     }
 }
 
-TileDraw TileResidency::draw(NodeIndex node, const SelectedTile* chosen) {
+TileDraw TileResidency::draw_of(NodeIndex node, CachedLayer& mesh, uint32_t steps) {
     const TileRecord& record = *directory_.node(node).record;
-    const Facts& facts = facts_[node];
     const GridPoint origin = directory_.manifest().tile_origin(record);
     TileDraw out;
     out.address = record.address;
     out.origin = {to_metres(origin.x), to_metres(origin.y), to_metres(origin.z)};
-    CachedLayer& mesh = cache_.at(layer_key(node, Layer::kMesh));
     cache_.mark_drawn(mesh);
     out.mesh = mesh.id;
-    out.mesh_steps =
-        std::min<uint32_t>(chosen != nullptr ? chosen->steps_of(Layer::kMesh) : kAllSteps, mesh.store_steps);
-    out.mesh_ranges = facts.mesh_ranges;
+    out.mesh_steps = std::min(steps, mesh.store_steps);
+    out.mesh_ranges = facts_[node].mesh_ranges;
+    return out;
+}
+
+std::optional<TileDraw> TileResidency::draw_mesh(NodeIndex node, uint32_t steps) {
+    CachedLayer* mesh = cache_.find(layer_key(node, Layer::kMesh));
+    if (mesh == nullptr || mesh->store_steps == 0) return std::nullopt;
+    return draw_of(node, *mesh, steps);
+}
+
+TileDraw TileResidency::draw(NodeIndex node, const SelectedTile* chosen) {
+    TileDraw out = draw_of(node, cache_.at(layer_key(node, Layer::kMesh)),
+                           chosen != nullptr ? chosen->steps_of(Layer::kMesh) : kAllSteps);
     CachedLayer* atlas = cache_.find(layer_key(node, Layer::kAtlas));
     if (atlas != nullptr && atlas->store_steps > 0) add_atlas(node, *atlas, chosen, out);
     return out;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,7 +46,7 @@ class TileResidency {
                       std::span<const std::byte> bytes);
 
     /// Brings what is received of the tile's wanted prefixes to the store, but light (light_residency.h); atlas first,
-    /// for it knows the charts.
+    /// for it knows the charts. A mesh that is wanted without its atlas is not checked against it before that comes.
     void upload(const SelectedTile& wanted);
 
     /// A step of a layer turned out to be bad.
@@ -60,6 +61,9 @@ class TileResidency {
     /// The tile with the steps of mesh, atlas and shared charts that `chosen` has (null: all of them), or fewer where
     /// fewer are in the store. Marks its layers as drawn.
     TileDraw draw(NodeIndex node, const SelectedTile* chosen);
+    /// The first `steps` steps of its mesh alone, or fewer where fewer are in the store. Nothing: none are. Marks it as
+    /// drawn.
+    std::optional<TileDraw> draw_mesh(NodeIndex node, uint32_t steps);
     /// Adds its facades to a draw, each with the level of its map that comes next to the wanted one (`levels`: by
     /// placement), and marks what they need as drawn. False, and nothing is added: its placements or all levels of a
     /// map of them are not in the store.
@@ -78,11 +82,12 @@ class TileResidency {
     bool learn_shared_charts(NodeIndex node, std::span<const std::byte> first_step);
     void learn_chart_boxes(NodeIndex node, std::span<const std::byte> first_step);
     void add_atlas(NodeIndex node, CachedLayer& atlas, const SelectedTile* chosen, TileDraw& out);
-    void upload_layer(NodeIndex node, tiles::tileset::Layer layer, uint32_t wanted);
+    void upload_layer(const SelectedTile& tile, tiles::tileset::Layer layer);
     bool decode_to_store(CachedLayer& entry, NodeIndex node, tiles::tileset::Layer layer, uint32_t steps);
     bool decode_mesh_to_store(CachedLayer& entry, NodeIndex node, uint32_t steps);
     Status store_mesh(CachedLayer& entry, const codec::mesh::MeshLayer& mesh, uint64_t bytes);
     void remember_atlas(NodeIndex node, uint32_t steps, const LayerFacts& facts);
+    TileDraw draw_of(NodeIndex node, CachedLayer& mesh, uint32_t steps);
 
     const DirectoryCache& directory_;
     CityKnowledge& knowledge_;

@@ -42,5 +42,7 @@
 /* One that stands in for a surface too small for receivers: within a spacing, and not turned away by 107 degrees. */
 #define RECEIVER_LOOSE_TOLERANCE 64.0
 #define RECEIVER_LOOSE_COSINE_SQUARED 0.09
+/* A column with more receivers than this is searched by halving until so many are left. */
+#define RECEIVER_FEW 4
 
 #endif

@@ -303,10 +303,13 @@ ReceiverTableView::Question ReceiverTableView::question(uint32_t surface_class, 
 ReceiverTableView::Choice ReceiverTableView::best(const Question& question, int32_t i, int32_t j) const {
     const auto [begin, end] = column(question.surface_class, i, j);
     const float depth = question.depth_at(i, j);
+    const auto is_shallow = [&](uint32_t word) {
+        return static_cast<float>(word & 0xffff) < depth - question.tolerance();
+    };
     uint32_t first = begin;
-    for (uint32_t high = end; first < high;) {  // The first that is not too deep.
+    for (uint32_t high = end; first + RECEIVER_FEW < high;) {
         const uint32_t middle = first + (high - first) / 2;
-        if (static_cast<float>(entry(middle) & 0xffff) < depth - question.tolerance()) {
+        if (is_shallow(entry(middle))) {
             first = middle + 1;
         } else {
             high = middle;
@@ -320,7 +323,7 @@ ReceiverTableView::Choice ReceiverTableView::best(const Question& question, int3
         if (!(above <= question.tolerance())) break;
         const float off = std::abs(above);
         const bool nearer = result.receiver == kNone ? off <= result.off : off < result.off;
-        if (nearer && question.takes(word)) result = {receiver, off};
+        if (!is_shallow(word) && nearer && question.takes(word)) result = {receiver, off};
     }
     return result;
 }

@@ -11,7 +11,7 @@ using Place = std::array<double, 2>;
 
 constexpr double kInset = 1.0 / 32;   ///< of the spacing
 constexpr double kLeastArea = 1;      ///< grid units squared
-constexpr int32_t kPlacesAcross = 8;  ///< of the square around a column
+constexpr int32_t kPlacesAcross = 8;  ///< of a piece's bounds
 
 std::array<int64_t, 3> coordinates(const GridPoint& point) {
     return {point.x, point.y, point.z};
@@ -177,10 +177,17 @@ GridPoint LatticePiece::nearest() const {
 
 std::vector<GridPoint> LatticePiece::others() const {
     std::vector<Place> places;
-    const double step = 2 * static_cast<double>(spacing_) / kPlacesAcross;
+    Place low = middle_, high = middle_;
+    for (const auto& point : polygon_.points()) {
+        for (uint32_t axis = 0; axis < 2; ++axis) {
+            low[axis] = std::min(low[axis], point[axis]);
+            high[axis] = std::max(high[axis], point[axis]);
+        }
+    }
+    const Place step = {(high[0] - low[0]) / kPlacesAcross, (high[1] - low[1]) / kPlacesAcross};
     for (int32_t j = 0; j < kPlacesAcross; ++j) {
         for (int32_t i = 0; i < kPlacesAcross; ++i) {
-            const Place place = {(i + 0.5 - kPlacesAcross / 2) * step, (j + 0.5 - kPlacesAcross / 2) * step};
+            const Place place = {low[0] + (i + 0.5) * step[0], low[1] + (j + 0.5) * step[1]};
             if (holds(place)) places.push_back(place);
         }
     }

@@ -35,7 +35,8 @@ class LatticePiece {
 
     /// The point nearest to the column, a 32nd of the spacing away from the piece's border (or its middle).
     GridPoint nearest() const;
-    /// Others, nearest first: 8 x 8 places of the square as far as they are on the piece, and its middle.
+    /// Others, nearest first: 8 x 8 places of the piece's bounds as far as they are on it, and its middle. So of a wall
+    /// that is mostly under the ground the strip above is found.
     std::vector<GridPoint> others() const;
     /// Squared distance from the column to `nearest`, grid units, seen along the class.
     int64_t squared_distance() const { return squared_distance_; }

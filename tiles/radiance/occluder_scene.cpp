@@ -266,8 +266,8 @@ namespace {
 class UpperRays {
   public:
     explicit UpperRays(const std::array<double, 3>& normal) {
-        for (uint32_t cell = 0; cell < kMost; ++cell) {
-            const RayDirection direction = ray_direction(codec::radiance::cell_direction(kSide, cell));
+        static const std::array<RayDirection, kMost> kAll = all_directions();
+        for (const RayDirection& direction : kAll) {
             const double above = direction[0] * normal[0] + direction[1] * normal[1] + direction[2] * normal[2];
             if (above > 0) rays_[count_++] = direction;
         }
@@ -278,6 +278,13 @@ class UpperRays {
   private:
     static constexpr uint32_t kSide = 4;
     static constexpr uint32_t kMost = codec::radiance::cube_cells(kSide);
+    static std::array<RayDirection, kMost> all_directions() {
+        std::array<RayDirection, kMost> all;
+        for (uint32_t cell = 0; cell < kMost; ++cell)
+            all[cell] = ray_direction(codec::radiance::cell_direction(kSide, cell));
+        return all;
+    }
+
     std::array<RayDirection, kMost> rays_;
     uint32_t count_ = 0;
 };
@@ -294,13 +301,30 @@ bool looks_out_below(const OccluderScene& scene, const GridPoint& from, const Up
     return 4 * met <= rays.count();
 }
 
+/// Whether a point is below a surface that has its front up, the ground, with no ground below it, and at most one in
+/// ten of its upward rays meets nothing. Foundations show each other their fronts, so fronts do not speak against it;
+/// a canopy has the ground's front below it, and where there is no ground, the sky beside it.
+bool underground(const OccluderScene& scene, const GridPoint& from, const UpperRays& rays) {
+    using Side = OccluderScene::Side;
+    if (scene.nearest_side(from, {0, 0, 1}) != Side::kBack) return false;
+    const Side below = scene.nearest_side(from, {0, 0, -1});
+    if (below != Side::kNothing && below != Side::kBack) return false;
+    uint32_t upward = 0, open = 0;
+    for (uint32_t i = 0; i < rays.count(); ++i) {
+        if (rays[i][2] <= 0) continue;
+        ++upward;
+        open += scene.nearest_side(from, rays[i]) == Side::kNothing ? 1 : 0;
+    }
+    return 10 * open <= upward;
+}
+
 }  // namespace
 
 bool buried(const OccluderScene& scene, const GridPoint& point, const std::array<double, 3>& normal) {
     constexpr uint32_t kLeastBacks = 4;
     const UpperRays rays(normal);
     const GridPoint from = lifted(point, normal);
-    if (looks_out_below(scene, from, rays, normal)) return true;
+    if (looks_out_below(scene, from, rays, normal) || underground(scene, from, rays)) return true;
     uint32_t fronts = 0, backs = 0;
     for (uint32_t left = rays.count(); left > 0;) {
         const auto side = scene.nearest_side(from, rays[--left]);
@@ -317,7 +341,7 @@ bool buried(const OccluderScene& scene, const GridPoint& point, const std::array
 bool enclosed(const OccluderScene& scene, const GridPoint& point, const std::array<double, 3>& normal) {
     const UpperRays rays(normal);
     const GridPoint from = lifted(point, normal);
-    if (looks_out_below(scene, from, rays, normal)) return true;
+    if (looks_out_below(scene, from, rays, normal) || underground(scene, from, rays)) return true;
     const uint32_t allowed = rays.count() / 10;
     uint32_t others = 0;
     for (uint32_t i = 0; i < rays.count() && others <= allowed; ++i) {

@@ -85,10 +85,12 @@ GridPoint lifted(const GridPoint& point, const std::array<double, 3>& normal);
 /// Whether a point of a surface is probably inside of something or under the ground, where nobody sees it: of about 48
 /// rays into the half space above the surface more meet backs of triangles than fronts, and at least four do. A point
 /// below a canopy is not: it has the ground's front below it. One beside a wall that faces the wrong way is.
-/// So is a point at which one of the rays touches something: it is in a crease; and one of a surface that looks down,
-/// of whose rays three in four meet nothing: it is a floor, with the ground at its own height or missing.
+/// So is a point at which one of the rays touches something: it is in a crease; one of a surface that looks down, of
+/// whose rays three in four meet nothing: it is a floor, with the ground at its own height or missing; and one under
+/// the ground: the nearest thing straight up is a back, straight down there is no front, and at most one in ten of the
+/// rays that go up meets nothing.
 bool buried(const OccluderScene& scene, const GridPoint& point, const std::array<double, 3>& normal);
-/// Whether nine in ten of these rays meet backs, or it is a floor: nobody can see it.
+/// Whether nine in ten of these rays meet backs, or it is a floor or under the ground: nobody can see it.
 bool enclosed(const OccluderScene& scene, const GridPoint& point, const std::array<double, 3>& normal);
 
 }  // namespace citystream::tiles::radiance

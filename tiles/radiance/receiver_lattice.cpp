@@ -21,6 +21,10 @@ int64_t floor_divide(int64_t a, int64_t b) {
 /// what is at most three slabs away from a surface that joins it.
 constexpr int64_t kDecisiveSlabs = 3;
 
+/// Parts of spacing^2: splinters that mean less to a column are not searched for a place that is not buried. Models
+/// have many, and the larger surfaces that share their receivers are searched.
+constexpr double kSearchedShare = 1.0 / 1024;
+
 /// A class and a column; with a slab that, too.
 struct Slab {
     uint32_t surface_class = 0;
@@ -78,8 +82,11 @@ class Lattice {
     bool before(const Candidate& a, const Candidate& b) const;
     bool shares(const Candidate& candidate, const Made& made) const;
     std::vector<Receiver> receivers_of(std::span<Candidate> column) const;
-    void decide(const Candidate& candidate, std::vector<Made>& made) const;
-    std::optional<GridPoint> stand_of(const Candidate& candidate, const std::array<double, 3>& normal) const;
+    void decide(std::span<const Candidate> slab, std::vector<Made>& made) const;
+    bool joins(const Candidate& candidate, std::vector<Made>& made) const;
+    std::array<double, 3> normal_of(const Candidate& candidate) const;
+    Made made_of(const Candidate& candidate, const GridPoint& point) const;
+    std::optional<GridPoint> free_place(const Candidate& candidate) const;
 
     const OccluderScene& scene_;
     const LatticeOptions& options_;
@@ -163,36 +170,59 @@ bool Lattice::shares(const Candidate& candidate, const Made& made) const {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] > kLeastCosine;
 }
 
-std::optional<GridPoint> Lattice::stand_of(const Candidate& candidate, const std::array<double, 3>& normal) const {
+std::array<double, 3> Lattice::normal_of(const Candidate& candidate) const {
+    return receiver_normal(candidate.slab.surface_class, triangles_[candidate.triangle].tilt);
+}
+
+std::optional<GridPoint> Lattice::free_place(const Candidate& candidate) const {
+    const auto normal = normal_of(candidate);
     if (!buried(scene_, candidate.nearest, normal)) return candidate.nearest;
+    const auto spacing = static_cast<double>(options_.spacing);
+    if (candidate.share < kSearchedShare * spacing * spacing) return std::nullopt;
     const std::array<int64_t, 2> column_at = {candidate.slab.i * options_.spacing, candidate.slab.j * options_.spacing};
     const auto piece = LatticePiece::create(triangles_[candidate.triangle], column_at, options_.spacing);
     for (const GridPoint& point : piece->others()) {
         if (!buried(scene_, point, normal)) return point;
     }
-    return enclosed(scene_, candidate.nearest, normal) ? std::nullopt : std::optional(candidate.nearest);
+    return std::nullopt;
 }
 
-void Lattice::decide(const Candidate& candidate, std::vector<Made>& made) const {
+bool Lattice::joins(const Candidate& candidate, std::vector<Made>& made) const {
     for (Made& other : made) {
         // An odd slab minds the even ones beside it, which were decided before it.
         if (std::abs(other.slab - candidate.slab.number) > std::abs(candidate.slab.number % 2)) continue;
         if (!shares(candidate, other)) continue;
         other.wanted = other.wanted || candidate.own;
         other.share += candidate.share;
-        return;
+        return true;
     }
+    return false;
+}
+
+Lattice::Made Lattice::made_of(const Candidate& candidate, const GridPoint& point) const {
+    const Slab& slab = candidate.slab;
     const auto& tilt = triangles_[candidate.triangle].tilt;
-    const auto point = stand_of(candidate, receiver_normal(candidate.slab.surface_class, tilt));
-    if (!point) return;
-    made.push_back({{static_cast<uint8_t>(candidate.slab.surface_class),
-                     {candidate.slab.i, candidate.slab.j},
-                     candidate.depth,
-                     tilt,
-                     *point},
-                    candidate.slab.number,
-                    candidate.own,
-                    candidate.share});
+    return {{static_cast<uint8_t>(slab.surface_class), {slab.i, slab.j}, candidate.depth, tilt, point},
+            slab.number,
+            candidate.own,
+            candidate.share};
+}
+
+void Lattice::decide(std::span<const Candidate> slab, std::vector<Made>& made) const {
+    // The buried come last: a wall's part above the ground speaks for its foundation, never the other way round.
+    std::vector<const Candidate*> left;
+    for (const Candidate& candidate : slab) {
+        if (joins(candidate, made)) continue;
+        if (const auto point = free_place(candidate)) {
+            made.push_back(made_of(candidate, *point));
+        } else {
+            left.push_back(&candidate);
+        }
+    }
+    for (const Candidate* candidate : left) {
+        if (joins(*candidate, made) || enclosed(scene_, candidate->nearest, normal_of(*candidate))) continue;
+        made.push_back(made_of(*candidate, candidate->nearest));
+    }
 }
 
 std::vector<Receiver> Lattice::receivers_of(std::span<Candidate> column) const {
@@ -202,7 +232,10 @@ std::vector<Receiver> Lattice::receivers_of(std::span<Candidate> column) const {
         return a.slab.number != b.slab.number ? a.slab.number < b.slab.number : before(a, b);
     });
     std::vector<Made> made;
-    for (const Candidate& candidate : column) decide(candidate, made);
+    for (size_t begin = 0, end = 0; begin < column.size(); begin = end) {
+        while (end < column.size() && column[end].slab.number == column[begin].slab.number) ++end;
+        decide(column.subspan(begin, end - begin), made);
+    }
     std::vector<Receiver> result;
     const double least = options_.least_share * static_cast<double>(options_.spacing * options_.spacing);
     for (const Made& one : made) {

@@ -9,10 +9,11 @@
 // Every surface in the open square of side 2s around a column, where bilinear interpolation gives the column a weight,
 // wants a *receiver* of the column: a point of the surface, as near to the column as can be that is not buried
 // (occluder_scene.h); where all points that are tried are, the nearest one, unless it is enclosed: models have walls
-// that face the wrong way, and ground goes on below buildings. Surfaces that lie closer than s / 2 to each other at the
-// column (their planes there: the receiver's `depth`) and whose normals are less than kShareDegrees apart share one:
-// the nearest to the column has it, of equals the outermost. So walls, roofs and ground have receivers of their own,
-// creases split, and the mesh's vertices, triangles, levels and steps need to know nothing of it.
+// that face the wrong way, ground goes on below buildings, and walls below the ground. Surfaces that lie closer to each
+// other than s / 2 at the column (their planes there: the receiver's `depth`) and whose normals are less than
+// kShareDegrees apart share one: the nearest to the column that is not buried has it, of equals the outermost. So
+// walls, roofs and ground have receivers of their own, creases split, and the mesh's vertices, triangles, levels and
+// steps need to know nothing of it.
 //
 // What receivers a column has is decided slab by slab, of s in depth, even slabs before odd ones: it depends on nothing
 // but the triangles within a few s of it. Two tiles that are given the same triangles around a column they share make

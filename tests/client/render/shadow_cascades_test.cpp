@@ -17,6 +17,14 @@ Vec3 seen(const ShadowCascade& cascade, const Vec3& from_camera) {
     return {at(cascade.column), at(cascade.row), at(cascade.depth)};
 }
 
+TEST(ShadowCascades, MapsAreAsLargeAsTheFrameWithinBounds) {
+    EXPECT_EQ(shadow_side(320, 180), 512U);
+    EXPECT_EQ(shadow_side(512, 640), 1024U);
+    EXPECT_EQ(shadow_side(1024, 768), 1024U);
+    EXPECT_EQ(shadow_side(1280, 720), 2048U);
+    EXPECT_EQ(shadow_side(3840, 2160), 2048U);
+}
+
 TEST(ShadowCascades, EachHoldsItsPartOfWhatTheCameraSees) {
     for (const double yaw : {0.0, 77.0, 200.0}) {
         const Camera camera = make_camera({1e6, 5e6, 40}, yaw, -20, 1280, 720);

@@ -102,6 +102,7 @@ TEST(FlightStatistics, LightIsCountedByFrameAndInAllAndWithoutItIsNothing) {
             frame.stream = flight.frame;
             if (lit) {
                 frame.lighting = {"sky", 1, 0, 9.5, 0.25, 1};
+                frame.stream.caster_tiles = i == 0 ? 7 : 2;
                 frame.counts.radiance_tiles = i == 0 ? 5 : 0;
                 frame.counts.radiance_receivers = i == 0 ? 80 : 0;
             }
@@ -115,6 +116,8 @@ TEST(FlightStatistics, LightIsCountedByFrameAndInAllAndWithoutItIsNothing) {
         EXPECT_EQ(json["summary"]["bytes"]["layers"]["radiance"].get<uint64_t>() > 0, lit);
         EXPECT_EQ(all["decodes"].get<uint64_t>() > 0, lit);
         EXPECT_EQ(all["layers_most"].get<uint64_t>() > 0, lit);
+        EXPECT_EQ(all["casters_most"], lit ? 7 : 0);
+        EXPECT_EQ(first["casters"], lit ? 7 : 0);
         EXPECT_EQ(all["pass_frames"], lit ? 1 : 0);
         EXPECT_EQ(all["pass_tiles"], lit ? 5 : 0);
         EXPECT_EQ(all["pass_receivers"], lit ? 80 : 0);

@@ -199,8 +199,36 @@ TEST(Buried, TellsTheInsideAndTheUndergroundFromWhatIsSeen) {
     EXPECT_TRUE(enclosed(*scene, at(40, 40, 0), down));
     EXPECT_FALSE(buried(*scene, at(40, 40, 3), down)) << "the underside of something above the ground";
     EXPECT_TRUE(enclosed(*scene, at(64, 64, 0), up));
-    EXPECT_FALSE(enclosed(*scene, at(56, 64, -2), west));
+    EXPECT_TRUE(enclosed(*scene, at(56, 64, -2), west)) << "the foot of the wall";
+    EXPECT_FALSE(enclosed(*scene, at(56, 64, 1), west)) << "the wall below the canopy";
     EXPECT_FALSE(enclosed(*scene, at(20, 20, 0), up));
+}
+
+TEST(Buried, FoundationsThatShowEachOtherTheirFrontsAreUnderTheGround) {
+    Surface surface = test::ground(0, 0, 128, 128);
+    test::add(surface, test::tower(40, 64, 16, 20, 0, -12));
+    test::add(surface, test::tower(58, 64, 16, 20, 0, -12));
+    const auto scene = OccluderScene::create(surface, nullptr, kTile);
+    ASSERT_TRUE(scene);
+    const std::array<double, 3> east = {1, 0, 0};
+    for (const double depth : {0.5, 2.0, 4.0}) {
+        EXPECT_TRUE(buried(*scene, at(48, 64, -depth), east)) << depth;
+        EXPECT_TRUE(enclosed(*scene, at(48, 64, -depth), east)) << depth;
+    }
+    for (const double height : {0.1, 1.0, 8.0}) EXPECT_FALSE(buried(*scene, at(48, 64, height), east)) << height;
+}
+
+TEST(Buried, WhatIsBelowABridgeWithoutGroundIsNotEnclosed) {
+    // A deck of one sheet, 12 m wide, and a pillar below it; the ground ends before.
+    Surface surface = test::ground(0, 0, 20, 128);
+    test::add(surface, test::ground(20, 58, 120, 70, 8));
+    test::add(surface, test::tower(70, 64, 2, 8, 0, -2));
+    const auto scene = OccluderScene::create(surface, nullptr, kTile);
+    ASSERT_TRUE(scene);
+    for (const double height : {-1.0, 0.0, 4.0}) {
+        EXPECT_FALSE(enclosed(*scene, at(70, 65, height), {0, 1, 0})) << height;
+        EXPECT_FALSE(enclosed(*scene, at(71, 64, height), {1, 0, 0})) << height;
+    }
 }
 
 }  // namespace

@@ -112,6 +112,46 @@ TEST(ReceiverLattice, NoneIsBuriedAndAllAreOnASurface) {
     }
 }
 
+/// A tower 16 m wide at (32, 32) on ground that is cut out below it; each wall is two rectangles, a plinth from 2.5 m
+/// under the ground to `plinth` metres above it and the rest.
+Surface tower_on_a_plinth(double plinth) {
+    Surface surface = test::ground(0, 0, 64, 24);
+    test::add(surface, test::ground(0, 40, 64, 64));
+    test::add(surface, test::ground(0, 24, 24, 40));
+    test::add(surface, test::ground(40, 24, 64, 40));
+    const Surface foot = test::tower(32, 32, 16, plinth, 0, -2.5);
+    test::add(surface, {foot.begin(), foot.end() - 2});
+    test::add(surface, test::tower(32, 32, 16, 20, 0, plinth));
+    return surface;
+}
+
+TEST(ReceiverLattice, WallsStandOnWhatIsSeenOfThemAndFoundationsHaveNoReceivers) {
+    for (const double plinth : {0.0625, 0.5}) {
+        for (const double metres : {2.0, 4.0}) {
+            const auto receivers = place(tower_on_a_plinth(plinth), {}, to_grid(metres));
+            size_t walls = 0;
+            for (const Receiver& receiver : receivers) {
+                if (receiver.surface_class >= 4) continue;
+                ++walls;
+                EXPECT_GT(receiver.point.z, 0) << plinth << ' ' << metres;
+            }
+            const auto across = static_cast<size_t>(16 / metres) + 1, up = static_cast<size_t>(20 / metres) + 1;
+            EXPECT_GE(walls, 4 * across * up) << plinth << ' ' << metres;
+            EXPECT_LE(walls, 4 * across * (up + 1)) << plinth << ' ' << metres;
+        }
+    }
+}
+
+TEST(ReceiverLattice, OfAFoundationTheStripAboveTheGroundIsFound) {
+    Surface surface = test::ground(-64, -64, 128, 24);
+    test::add(surface, test::ground(-64, 24, 128, 128));
+    // A sill: 16 m long, 2.5 m of it under the ground and 50 cm above.
+    test::add_quad(surface, {at(24, 24, -2.5), at(40, 24, -2.5), at(40, 24, 0.5), at(24, 24, 0.5)});
+    const auto receivers = place(surface, {}, to_grid(8));
+    EXPECT_GE(of_class(receivers, 3), 3U);
+    for (const Receiver& receiver : receivers) EXPECT_TRUE(receiver.surface_class != 3 || receiver.point.z > 0);
+}
+
 TEST(ReceiverLattice, AWallThatFacesTheWrongWayTakesNoReceiversFromTheGround) {
     Surface surface = test::ground(0, 0, 16, 16);
     // A sheet across the ground that has its front in the east.
