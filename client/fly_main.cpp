@@ -15,7 +15,7 @@
 #include <optional>
 #include <thread>
 
-#include "client/light/flight_light.h"
+#include "client/light/light_options.h"
 #include "client/path/camera_path.h"
 #include "client/path/frame_size.h"
 #include "client/reference/reference_renderer.h"
@@ -42,6 +42,8 @@ extern "C" void request_stop(int) {
     stop_requested = true;
 }
 
+constexpr uint64_t kBtfBytes = 64ull << 20;
+
 struct FlyOptions {
     std::string place, path, frames_folder, video, stats,
         size = "1280x720", gpu_budget = "512MiB", index_arena = "64MiB", host_budget = "1GiB", mode = "offline",
@@ -50,14 +52,14 @@ struct FlyOptions {
     double tolerance = 1, fps = 10;
     std::optional<double> relief_tolerance, texel_tolerance, position_tolerance;
     LightArguments light;
-    std::optional<double> light_tolerance;
-    std::string matrix;
+    std::optional<double> light_tolerance, matrix_error;
+    std::string matrix, meso, btf_budget;
     std::string facade_tint = "0";
     uint32_t supersample = 1, facade_samples = kFacadeSamples;
     bool list_devices = false, validation = false, json = false;
     // Parsed:
     uint32_t width = 0, height = 0;
-    uint64_t gpu_bytes = 0, index_arena_bytes = 0, host_bytes = 0;
+    uint64_t gpu_bytes = 0, index_arena_bytes = 0, host_bytes = 0, btf_bytes = kBtfBytes;
     std::optional<NetworkShape> shape;
     FacadeRenderer renderer = FacadeRenderer::kPatch;
     ChartTransport transport = ChartTransport::kTable;
@@ -67,6 +69,10 @@ struct FlyOptions {
 
 constexpr double kLightTolerance = 0.05;
 constexpr const char* kBiclusters = "biclusters";
+
+bool has_meso(const FlyOptions& options) {
+    return options.light.asked_for() && options.meso == "on";
+}
 
 std::vector<std::string> facade_renderer_names() {
     std::vector<std::string> names;
@@ -88,9 +94,12 @@ Status check_light_options(const FlyOptions& options) {
     const Status light = check_light_arguments(options.light);
     if (!light) return light.error();
     if (!options.light.asked_for()) {
-        const char* without = options.light_tolerance   ? "--light-tolerance"
-                              : !options.matrix.empty() ? "--matrix"
-                                                        : nullptr;
+        const char* without = options.light_tolerance       ? "--light-tolerance"
+                              : !options.matrix.empty()     ? "--matrix"
+                              : options.matrix_error        ? "--matrix-error"
+                              : !options.meso.empty()       ? "--meso"
+                              : !options.btf_budget.empty() ? "--btf-budget"
+                                                            : nullptr;
         if (without != nullptr) return Error{fmt::format("{} needs --environment or --environment-path", without)};
     } else if (!options.reference.empty()) {
         return Error{"--reference draws without the light of an environment: leave one of the two out"};
@@ -110,6 +119,11 @@ Status parse_values(FlyOptions& options) {
     options.index_arena_bytes = *arena;
     const auto host = parse_byte_count(options.host_budget);
     if (!host) return Error{"--host-budget: " + host.error().text()};
+    if (!options.btf_budget.empty()) {
+        const auto btf = parse_byte_count(options.btf_budget);
+        if (!btf) return Error{"--btf-budget: " + btf.error().text()};
+        options.btf_bytes = *btf;
+    }
     options.gpu_bytes = *gpu;
     options.host_bytes = *host;
     if (!options.network.empty()) {
@@ -312,6 +326,8 @@ FlightDescription describe(const FlyOptions& options, const std::string& device)
         description.environment_path = options.light.environment_path;
         description.light_tolerance = options.light_tolerance.value_or(kLightTolerance);
         description.matrix = options.matrix.empty() ? kBiclusters : options.matrix;
+        description.matrix_error = options.matrix_error.value_or(0);
+        description.meso = has_meso(options);
     }
     description.occlusion = options.occlusion == "on" && options.mode == "offline";
     description.frames_per_second = options.fps;
@@ -380,6 +396,8 @@ RendererOptions renderer_options(const FlyOptions& options) {
     renderer.facade_samples = options.facade_samples;
     renderer.chart_transport = options.transport;
     renderer.facade_tint = options.tint;
+    renderer.meso = has_meso(options);
+    renderer.btf_budget_bytes = options.btf_bytes;
     return renderer;
 }
 
@@ -397,6 +415,7 @@ StreamerOptions streamer_options(const FlyOptions& options) {
     streamer.stop = &stop_requested;
     if (options.light.asked_for()) streamer.light_tolerance = options.light_tolerance.value_or(kLightTolerance);
     if (options.matrix == "rows") streamer.matrix_form = codec::radiance::MatrixForm::kRows;
+    streamer.matrix_error = options.matrix_error.value_or(0);
     return streamer;
 }
 
@@ -582,23 +601,7 @@ void add_drawing_options(CLI::App& app, FlyOptions& options) {
 
 /// What lights it (archives of --layers ...,radiance).
 void add_light_options(CLI::App& app, FlyOptions& options) {
-    app.add_option(
-        "--environment", options.light.environment,
-        "light the city by a picture of what is around it (.exr, .hdr: latitude and longitude, or a cube), or "
-        "by `sky`, an analytic one");
-    app.add_option("--environment-rotation", options.light.rotation_degrees,
-                   "turns it clockwise seen from above, degrees (0)")
-        ->check(command_line::number_from(-36000.0, 36000.0));
-    app.add_option("--hour", options.light.hour, "true solar time of `sky` (12)")
-        ->check(command_line::number_from(0.0, 24.0));
-    app.add_option("--environment-path", options.light.environment_path,
-                   "how the environment changes with the path's time: CSV with the columns time_s,environment and "
-                   "rotation_degrees,hour");
-    app.add_option("--exposure", options.light.exposure,
-                   "auto: level white ground is white, dusk and night darker; or stops: radiance times 2^STOPS (auto)");
-    app.add_option("--sun", options.light.sun,
-                   "apart: the sun is taken out of the environment and lights on its own; map: it stays in (apart)")
-        ->check(CLI::IsMember({"apart", "map"}));
+    add_environment_options(app, options.light);
     app.add_option("--light-tolerance", options.light_tolerance,
                    "part of an even sky's light that a place may get wrong (0.05)")
         ->check(command_line::number_from(0.0, 1.0));
@@ -606,6 +609,14 @@ void add_light_options(CLI::App& app, FlyOptions& options) {
                    "how what is seen from where is kept in GPU memory: biclusters or rows; same frames, other memory "
                    "and time (biclusters)")
         ->check(CLI::IsMember({kBiclusters, "rows"}));
+    app.add_option("--matrix-error", options.matrix_error,
+                   "part of an even sky's light by which each row of it may be too low, for less memory and time (0)")
+        ->check(command_line::number_from(0.0, 1.0));
+    app.add_option("--meso", options.meso,
+                   "on: relief of facades shades itself, near by masks, further away by BTFs, where walls have 8 x 8 "
+                   "local directions (seconds a map on software drivers); off: it stands free (off)")
+        ->check(CLI::IsMember({"on", "off"}));
+    app.add_option("--btf-budget", options.btf_budget, "memory for BTFs, taken when the first is made (64MiB)");
 }
 
 /// What the machine has for it.

@@ -9,12 +9,16 @@
 #include <optional>
 #include <string_view>
 
+#include "client/light/light_options.h"
 #include "client/path/frame_size.h"
+#include "client/report/lit_reference.h"
 #include "client/report/report_files.h"
 #include "client/report/sweep.h"
 #include "client/report/variants.h"
 #include "client/select/relief_arguments.h"
 #include "codec/atlas/image_metric.h"
+#include "codec/radiance/local_directions.h"
+#include "codec/radiance/source_directions.h"
 #include "command_line/command_line.h"
 
 namespace {
@@ -35,6 +39,13 @@ struct Arguments {
     std::vector<std::string> map_levels, facade_renderers, facade_samples, also;
     std::string map_level = "auto", facade_renderer{facade_renderer_name(FacadeRenderer::kPatch)};
     std::optional<double> relief_tolerance;
+    LightArguments light;
+    std::vector<uint32_t> lattices, directions, local_directions;
+    std::vector<double> light_tolerances, matrix_errors;
+    std::vector<std::string> matrices;
+    std::optional<double> light_tolerance, matrix_error;
+    std::optional<uint32_t> reference_rays;
+    std::string matrix;
     bool json = false;
 };
 
@@ -92,6 +103,12 @@ Result<std::vector<Setting>> settings_of(const Arguments& arguments) {
     add_names("mesh-topology", arguments.mesh_topologies);
     add_names("precision", arguments.precisions);
     add_names("mesh-steps", arguments.mesh_steps);
+    add_numbers("lattice", {arguments.lattices.begin(), arguments.lattices.end()});
+    add_numbers("directions", {arguments.directions.begin(), arguments.directions.end()});
+    add_numbers("local-directions", {arguments.local_directions.begin(), arguments.local_directions.end()});
+    add_numbers("light-tolerance", arguments.light_tolerances);
+    add_names("matrix", arguments.matrices);
+    add_numbers("matrix-error", arguments.matrix_errors);
     if (!arguments.also.empty()) settings.push_back({"archive", 0, "as given", arguments.sweep.city});
     for (const std::string& text : arguments.also) {
         auto archive = parse_archive(text);
@@ -116,8 +133,43 @@ Status check_build(const Arguments& arguments, const std::vector<Setting>& setti
         std::any_of(settings.begin(), settings.end(), [](const Setting& setting) { return is_built(setting.knob); });
     if (!builds || !arguments.build.empty()) return Done{};
     return Error{
-        "--saliencies, --rate-distortions and the knobs of meshes build the city: say how behind --, as "
-        "citystream-build is called but without -o"};
+        "--saliencies, --rate-distortions, --lattices, --directions, --local-directions and the knobs of meshes build "
+        "the city: say how behind --, as citystream-build is called but without -o"};
+}
+
+/// An option that was given and makes sense of lit frames alone; empty: none was.
+std::string option_of_light(const Arguments& arguments) {
+    if (!arguments.lattices.empty()) return "--lattices";
+    if (!arguments.directions.empty()) return "--directions";
+    if (!arguments.local_directions.empty()) return "--local-directions";
+    if (!arguments.light_tolerances.empty()) return "--light-tolerances";
+    if (!arguments.matrices.empty()) return "--matrices";
+    if (!arguments.matrix_errors.empty()) return "--matrix-errors";
+    if (arguments.light_tolerance) return "--light-tolerance";
+    if (!arguments.matrix.empty()) return "--matrix";
+    if (arguments.matrix_error) return "--matrix-error";
+    return arguments.reference_rays ? "--reference-rays" : "";
+}
+
+/// Fills the sweep's values of light but for the light itself.
+Status interpret_light(Arguments& arguments) {
+    if (Status good = check_light_arguments(arguments.light); !good) return good;
+    if (!arguments.light.asked_for()) {
+        const std::string option = option_of_light(arguments);
+        if (!option.empty()) return Error{option + " needs --environment or --environment-path"};
+        return Done{};
+    }
+    if (!lit_references_can_be_drawn())
+        return Error{
+            "--environment: this citystream-report was made without Embree, which draws what lit frames are compared "
+            "with"};
+    SweepOptions& sweep = arguments.sweep;
+    sweep.light_tolerance = arguments.light_tolerance.value_or(sweep.light_tolerance);
+    sweep.matrix_error = arguments.matrix_error.value_or(sweep.matrix_error);
+    sweep.reference_rays = arguments.reference_rays.value_or(sweep.reference_rays);
+    if (!arguments.matrix.empty()) sweep.matrix = matrix_form_named(arguments.matrix).value_or(sweep.matrix);
+    sweep.environment = describe_light(arguments.light);
+    return Done{};
 }
 
 /// Fills the sweep's values that are texts on the command line. Error: wrong usage, one line.
@@ -125,6 +177,7 @@ Result<std::vector<Setting>> interpret(Arguments& arguments) {
     SweepOptions& sweep = arguments.sweep;
     auto settings = settings_of(arguments);
     if (!settings) return settings;
+    if (Status good = interpret_light(arguments); !good) return good.error();
     if (Status good = check_build(arguments, *settings); !good) return good.error();
     const auto relief = parse_relief_options(arguments.map_level, arguments.relief_tolerance);
     if (!relief) return relief.error();
@@ -135,6 +188,16 @@ Result<std::vector<Setting>> interpret(Arguments& arguments) {
     sweep.width = size->width;
     sweep.height = size->height;
     return settings;
+}
+
+/// The light that is asked for, if any; what is wrong with its files is said.
+Result<std::optional<FlightLight>> load_light(const LightArguments& arguments) {
+    if (!arguments.asked_for()) return std::optional<FlightLight>();
+    auto light = FlightLight::load(arguments);
+    if (!light) return light.error();
+    for (const std::string& warning : light->warnings())
+        fmt::print(stderr, "citystream-report: warning: {}\n", warning);
+    return std::optional(std::move(*light));
 }
 
 int run(Arguments& arguments) {
@@ -149,6 +212,9 @@ int run(Arguments& arguments) {
         return complain(
             "no reference beside the city: build it with citystream-build ... --reference CITY.glb and name it with "
             "--reference");
+    auto light = load_light(arguments.light);
+    if (!light) return complain(light.error().text());
+    if (*light) sweep.light = &**light;
     std::error_code failed;
     sweep.picture_folder = (std::filesystem::path(arguments.folder) / "pictures").string();
     std::filesystem::create_directories(sweep.picture_folder, failed);
@@ -188,6 +254,10 @@ void add_flight_options(CLI::App& app, Arguments& arguments) {
     app.add_flag("--json", arguments.json, "Print report.json instead of the page's name");
 }
 
+CLI::Validator matrix_forms() {
+    return CLI::IsMember(std::vector<std::string>(kMatrixFormNames.begin(), kMatrixFormNames.end()));
+}
+
 /// The city is built for each; citystream-build says which of their values it does not take.
 void add_mesh_knobs(CLI::App& app, Arguments& arguments) {
     app.add_option("--mesh-transports", arguments.mesh_transports,
@@ -210,6 +280,51 @@ void add_mesh_knobs(CLI::App& app, Arguments& arguments) {
                    "Steps of positions, as --mesh-steps of citystream-build: auto,1,2,3,4")
         ->delimiter(',')
         ->check(command_line::word_or("auto", command_line::number_from(1, 4)));
+}
+
+/// For lit frames. The city is built for the first three.
+void add_light_knobs(CLI::App& app, Arguments& arguments) {
+    app.add_option("--lattices", arguments.lattices,
+                   "Metres between the places where light is gathered, as --lattice of citystream-build: 8,4,2")
+        ->delimiter(',')
+        ->check(CLI::IsMember({1U, 2U, 4U, 8U, 16U}));
+    app.add_option(
+           "--directions", arguments.directions,
+           "Directions that light comes from, on a side of a cube, as --directions of citystream-build: 12,16,32")
+        ->delimiter(',')
+        ->check(command_line::number_from(1U, codec::radiance::kMostCubeSide));
+    app.add_option("--local-directions", arguments.local_directions,
+                   "Directions of a place's own hemisphere, on a side, as --local-directions of citystream-build: 4,8")
+        ->delimiter(',')
+        ->check(command_line::number_from(1U, codec::radiance::kMostLocalSide));
+    app.add_option("--light-tolerances", arguments.light_tolerances,
+                   "Parts of an even sky's light that a place may get wrong: how much of radiance layers is fetched")
+        ->delimiter(',')
+        ->check(command_line::number_from(0.0, 1.0));
+    app.add_option("--matrices", arguments.matrices, "How matrices are kept in GPU memory: biclusters,rows")
+        ->delimiter(',')
+        ->check(matrix_forms());
+    app.add_option("--matrix-errors", arguments.matrix_errors,
+                   "Parts of an even sky's light that rows of matrices may leave out: smaller and faster")
+        ->delimiter(',')
+        ->check(command_line::number_from(0.0, 1.0));
+}
+
+/// What lights all settings, and where the knobs of light that are not turned stand.
+void add_light_options(CLI::App& app, Arguments& arguments) {
+    add_environment_options(app, arguments.light);
+    app.add_option("--light-tolerance", arguments.light_tolerance,
+                   fmt::format("Light tolerance of the other knobs' settings ({:g})", kUsualLightTolerance))
+        ->check(command_line::number_from(0.0, 1.0));
+    app.add_option("--matrix", arguments.matrix,
+                   fmt::format("Form of matrices of the other knobs' settings ({})", kMatrixFormNames[0]))
+        ->check(matrix_forms());
+    app.add_option("--matrix-error", arguments.matrix_error, "Matrix error of the other knobs' settings (0)")
+        ->check(command_line::number_from(0.0, 1.0));
+    app.add_option("--reference-rays", arguments.reference_rays,
+                   fmt::format("Rays of a pixel, at least, of what lit frames are compared with ({})",
+                               SweepOptions().reference_rays))
+        ->check(command_line::number_from(1U, 1U << 16));
 }
 
 /// Knobs: every value of a list is a setting.
@@ -241,6 +356,7 @@ void add_knobs(CLI::App& app, Arguments& arguments) {
         ->delimiter(',')
         ->check(command_line::number_from(0, 1 << 20));
     add_mesh_knobs(app, arguments);
+    add_light_knobs(app, arguments);
     app.add_option("--map-levels", arguments.map_levels, "Levels of all facade maps: auto, 0 (the coarsest) to 3")
         ->delimiter(',')
         ->check(CLI::IsMember(map_level_names()));
@@ -295,10 +411,12 @@ constexpr const char* kAbout =
     "--also merged-2mm=merged.3tz -o report\n"
     "          citystream-report city.3tz --path tour.csv --saliencies none,ssim:0.99,flip:0.05 --rate-distortions "
     "0,4,16 "
-    "-o report -- generate --buildings 1000 --textures 100";
+    "-o report -- generate --buildings 1000 --textures 100\n"
+    "          citystream-report city.3tz --path tour.csv --environment sky --hour 18 --lattices 8,4,2 "
+    "--light-tolerances 0,0.05,0.2 -o report -- generate --buildings 40 --layers mesh,facade,atlas,radiance";
 constexpr const char* kBehindTheMark =
     "Behind --: what citystream-build makes the city of (inputs and options without -o), for --saliencies, "
-    "--rate-distortions and the knobs of meshes.";
+    "--rate-distortions, --lattices, --directions, --local-directions and the knobs of meshes.";
 
 }  // namespace
 
@@ -310,6 +428,7 @@ int main(int argc, char** argv) {
     add_flight_options(app, arguments);
     add_knobs(app, arguments);
     add_resting_values(app, arguments);
+    add_light_options(app, arguments);
     const int own = take_build(argc, argv, arguments.build);
     if (const auto ended = command_line::read_arguments(app, own, argv)) return *ended;
     return run(arguments);

@@ -6,7 +6,8 @@
 //   plain  writes conservative depth, by which a GPU rejects hidden fragments before their shader runs;
 //   keyed  (FACADE_KEYED) for devices that do so only where no depth is written (lavapipe): tests the quad's depth, writes none, and puts the
 //          hit as depth | colour into its pixel's key, of which the greatest stays. facade_resolve.frag.glsl draws the keys.
-// FRAME_LIGHT: for frames with a light; the mean of the samples is one of light.
+// FRAME_LIGHT: for frames with a light; the mean of the samples is one of light. Where walls have local light (wall_light.glsl) relief is shaded by its
+// mask, and further away drawn by its BTF instead of rays, then by its mean colour (facade_btf.glsl).
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
@@ -23,9 +24,7 @@
 #include "shaders/facade_tint.glsl"
 #include "shaders/page_chart.glsl"
 #include "shaders/tile_chart.glsl"
-#ifdef FRAME_LIGHT
-#include "shaders/surface_light.glsl"
-#else
+#ifndef FRAME_LIGHT
 #include "shaders/lighting.glsl"
 #endif
 
@@ -87,102 +86,76 @@ vec3 hit_texel(uint slot, vec2 at, vec2 dx, vec2 dy) {
 }
 
 #ifdef FRAME_LIGHT
-layout(location = 11) flat in vec3 wall_place;
-layout(location = 12) flat in vec3 per_grid_unit;
-
-layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer RadianceRecord { RadianceDraw draw; };
-
-RadianceDraw radiance_draw() { return RadianceRecord(layer_reference(constants.tile.mesh_draw)).draw; }
-
-// Grid units from the tile's origin.
-vec3 place_in_tile(vec3 at) {
-    vec3 units = at / per_grid_unit;
-    return wall_place + vec3(along * units.x + vec2(along.y, -along.x) * units.z, units.y);
-}
-
-// What the samples of a pixel hit, by side of the relief (axis and sign): all of a side take the sky's light where the first of them is, which changes
-// over metres.
-uint hit_sides = 0u;
-vec3 side_place[6];
-vec3 side_albedo[6];
-
-void add_hit(FacadeHit hit, vec3 texel, vec3 normal, vec3 at) {
-    uint side = 2u * uint(hit.axis) + (hit.side < 0.0 ? 1u : 0u);
-    if ((hit_sides >> side & 1u) == 0u) {
-        side_place[side] = at;
-        side_albedo[side] = vec3(0.0);
-    }
-    side_albedo[side] += srgb_decoded(texel);
-    hit_sides |= 1u << side;
-}
-
-// The sun reaches relief where it reaches the wall, by its triangles: those are what casts shadows.
-float sun_on_wall(LightRecord record, vec3 at) {
-    vec3 outwards = vec3(along.y, -along.x, 0.0);
-    if (dot(outwards, light_vec3(record.light.to_sun)) <= 0.0) return 0.0;
-    return sun_share(record, metres_of_place(place_in_tile(vec3(at.xy, max(at.z, 0.0)))), outwards);
-}
-
-vec3 mean_colour(vec3 at, float hits) {
-    LightRecord record = LightRecord(layer_reference(radiance_draw().light));
-    float share = kSun ? sun_on_wall(record, at) : 0.0;
-    vec3 sum = vec3(0.0);
-    for (uint left = hit_sides; left != 0u; left &= left - 1u) {
-        int side = findLSB(left);
-        vec3 normal = hit_normal(FacadeHit(true, 0.0, 0u, side >> 1, (side & 1) != 0 ? -1.0 : 1.0, false));
-        vec3 light = sky_light(radiance_draw(), place_in_tile(side_place[side]), normal, normal) + sun_light(record, normal, share);
-        sum += side_albedo[side] * light;
-    }
-    return shown_light(sum / hits);
-}
+#include "shaders/facade_light.glsl"
 #else
 vec3 hit_sum = vec3(0.0);
 
-void add_hit(FacadeHit hit, vec3 texel, vec3 normal, vec3 at) { hit_sum += lit(texel, normal).rgb; }
-vec3 mean_colour(vec3 at, float hits) { return hit_sum / hits; }
+void begin_light(vec3 at) {}
+void add_hit(FacadeMap map, FacadeHit hit, vec3 texel, vec3 normal, vec3 at, bool nearest) { hit_sum += lit(texel, normal).rgb; }
 #endif
 
-// Adds a hit to what the pixel shows. `change_x`, `change_y`: how the ray changes over what the sample stands for.
-void shade(FacadeMap map, FacadeHit hit, vec3 start, vec3 ray, vec3 change_x, vec3 change_y) {
+// Adds a hit to what the pixel shows. `change_x`, `change_y`: how the ray changes over what the sample stands for; `samples`: of the pixel.
+void shade(FacadeMap map, FacadeHit hit, vec3 start, vec3 ray, vec3 change_x, vec3 change_y, uint samples) {
     float t = 1.0 + hit.t;
     // Hits in the margin show the facade's rim.
     vec2 on_wall = clamp((start + hit.t * ray).xy, vec2(0.0), vec2(map_width(map), map_height(map)));
     vec3 texel = hit_texel(hit.label >> 16, on_wall, hit_gradient(ray, change_x, hit.axis, t).xy, hit_gradient(ray, change_y, hit.axis, t).xy);
     vec3 normal = hit_normal(hit);
     vec3 at = start + hit.t * ray;
-    add_hit(hit, tinted(texel, normal, tint.x + tint.y * at.x + tint.z * at.z), normal, at);
+    add_hit(map, hit, tinted(texel, normal, tint.x + tint.y * at.x + tint.z * at.z), normal, at, samples > 1u);
 }
 
 void main() {
     FacadeMap map = FacadeMap(map_layer, map_head, map_own);
     // Counted from the quad, where coordinates are small and exact; the camera is at t = -1.
     vec3 ray = place - camera;
-    FacadeHit hit = cast_facade_ray(map, place, ray, -1.0, kEdgeMargin);
     float reach = 1.0 / gl_FragCoord.w;  // of the quad, along the view direction
     float near_plane = constants.frame.near_plane;
+    vec3 ray_dx = right * reach;
+    vec3 ray_dy = down * reach;
+#ifdef FRAME_LIGHT
+    FacadeQuad quad = FacadeQuad(0.0, 0.0, vec3(0.0));
+    if (kReliefLight) quad = facade_quad(map, ray, reach, ray_dx, ray_dy);
+    float quad_depth = near_plane / ((1.0 + quad.t) * reach);
+    if (quad.share == 1.0) {
+        write_hit(min(quad_depth, gl_FragCoord.z), vec4(shown_light(quad.light), 1.0));
+        return;
+    }
+#endif
+    FacadeHit hit = cast_facade_ray(map, place, ray, -1.0, kEdgeMargin);
     float distance = (1.0 + hit.t) * reach;
     if (!hit.hit || distance < near_plane) {
+#ifdef FRAME_LIGHT
+        if (quad.share > 0.5) {
+            write_hit(min(quad_depth, gl_FragCoord.z), vec4(shown_light(quad.light), 1.0));
+            return;
+        }
+#endif
         discard;
         return;
     }
     vec3 at = place + hit.t * ray;
     float depth = near_plane / distance * (hit.at_edge && at.z <= 0.0 ? kEdgeYields : 1.0);
 
-    vec3 ray_dx = right * reach;
-    vec3 ray_dy = down * reach;
     FacadeTableHead head = FacadeMapTable(layer_reference(constants.tile.facade_maps)).head;
     uint count = facade_sample_count(facade_footprint(ray, ray_dx, ray_dy, 1.0 + hit.t), finest, head.samples);
     float share = inversesqrt(float(count));
-    shade(map, hit, place, ray, ray_dx * share, ray_dy * share);
+    begin_light(at);
+    shade(map, hit, place, ray, ray_dx * share, ray_dy * share, count);
     float hits = 1.0;
     for (uint i = 1u; i < count; ++i) {
         vec2 offset = facade_sample_offset(i, count);
         vec3 aside = offset.x * ray_dx + offset.y * ray_dy;
         FacadeHit other = cast_facade_ray(map, place + aside, ray + aside, -1.0, kEdgeMargin);
         if (other.hit && (1.0 + other.t) * reach >= near_plane) {
-            shade(map, other, place + aside, ray + aside, ray_dx * share, ray_dy * share);
+            shade(map, other, place + aside, ray + aside, ray_dx * share, ray_dy * share, count);
             hits += 1.0;
         }
     }
-    write_hit(min(depth, gl_FragCoord.z), vec4(mean_colour(at, hits), 1.0));
+#ifdef FRAME_LIGHT
+    vec3 colour = shown_light(mix(mean_light(hits), quad.light, quad.share));
+#else
+    vec3 colour = hit_sum / hits;
+#endif
+    write_hit(min(depth, gl_FragCoord.z), vec4(colour, 1.0));
 }

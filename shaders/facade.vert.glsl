@@ -29,12 +29,14 @@ layout(location = 10) flat out vec3 tint;            // place in the palette at 
 #ifdef FRAME_LIGHT
 layout(location = 11) flat out vec3 wall_place;      // grid units from the tile's origin: the wall's lower left corner
 layout(location = 12) flat out vec3 per_grid_unit;   // texels, texels, millimetres
+layout(location = 13) flat out uint map_number;      // of the tile's maps
 #endif
 
 void hide() {
 #ifdef FRAME_LIGHT
     wall_place = vec3(0.0);
     per_grid_unit = vec3(1.0);
+    map_number = 0u;
 #endif
     gl_Position = vec4(0.0, 0.0, -1.0, 1.0);
     place = camera = right = down = vec3(0.0);
@@ -76,6 +78,7 @@ void main() {
 #ifdef FRAME_LIGHT
     wall_place = vec3(placement.origin - tile_origin());
     per_grid_unit = wall.per_metre * kMetresPerGridUnit;
+    map_number = placement.map_number;
 #endif
     tint = vec3(0.0);
     if (kFacadeTint > 0.0) {

@@ -9,6 +9,7 @@
 struct FacadePlacement {
     bool visible;    // its map is there and it has a size
     bool is_opaque;  // its map has no open cells
+    uint map_number;  // of the tile's maps
     uvec2 layer;   // of the map
     vec2 finest;   // texels: the map's finest runs
     uint palette;  // word in the facade layer
@@ -26,11 +27,6 @@ struct WallFrame {
     vec3 per_metre;  // texels, texels, millimetres
 };
 
-// The level of a map that the client chose for a placement of the tile.
-FacadeMapEntry map_of_placement(uint index) {
-    FacadeMapTable table = FacadeMapTable(layer_reference(constants.tile.facade_maps));
-    return table.entry[PlacementMaps(layer_reference(table.head.map_of_placement)).entry[index]];
-}
 
 FacadePlacement facade_placement(uint index) {
     uvec2 facade = layer_reference(constants.tile.facade);
@@ -43,7 +39,10 @@ FacadePlacement facade_placement(uint index) {
     placement.height = layer_word(facade, first + FACADE_PLACEMENT_HEIGHT);
     placement.palette = layer_word(facade, FACADE_LAYER_WORD_PALETTES) +
                         layer_word(facade, first + FACADE_PLACEMENT_PALETTE) * FACADE_PALETTE_WORDS;
-    FacadeMapEntry map = map_of_placement(index);
+    // The level of the map that the client chose.
+    FacadeMapTable table = FacadeMapTable(layer_reference(constants.tile.facade_maps));
+    placement.map_number = PlacementMaps(layer_reference(table.head.map_of_placement)).entry[index];
+    FacadeMapEntry map = table.entry[placement.map_number];
     placement.layer = layer_reference(map.layer);
     placement.is_opaque = map.is_opaque != 0u;
     placement.finest = vec2(map.finest[0], map.finest[1]);

@@ -1,11 +1,11 @@
 #version 460
-// Third light pass: the irradiance of each receiver, the sum of its rows weighted by the cosines of their local directions, a thread a receiver. Sums have
-// 47 bits and are rounded to halves as codec/radiance/irradiance.h does.
+// Third light pass: the irradiance of each receiver, the part of its rows' sum along its normal, a thread a receiver. Parts have 47 bits and are rounded to
+// halves as codec/radiance/irradiance.h does.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 
-#include "shaders/radiance_matrix.glsl"
+#include "shaders/radiance_normal.glsl"
 
 // Twin of irradiance_half. Channel by channel: the sum is high * 2^32 + low.
 uint irradiance_half(uint high, uint low) {
@@ -22,12 +22,10 @@ uint irradiance_half(uint high, uint low) {
     return (uint(least - least_normal) << 10) + rounded;
 }
 
-void write_word(uvec2 layer, uint index, uint value) {
-    if ((layer.x & LAYER_REF_DIRECT) != 0u) {
-        Sums(uvec2(layer.x ^ LAYER_REF_DIRECT, layer.y)).word[index] = value;
-        return;
-    }
-    Sums(PageTable(layer).slot[index >> SLOT_WORDS_LOG2]).word[index & ((1u << SLOT_WORDS_LOG2) - 1u)] = value;
+uint half_along(WholeNormal normal, LightVector sum, int channel) {
+    uint high, low;
+    part_along(normal, ivec3(int(sum.x[channel]), int(sum.y[channel]), int(sum.z[channel])), high, low);
+    return irradiance_half(high, low);
 }
 
 void main() {
@@ -38,18 +36,13 @@ void main() {
     if (receiver >= job.receivers) return;
     uvec2 layer = layer_reference(job.layer);
     uint row_bits = bits_at(job.bits, 24u);
-    WordArray weights = WordArray(uvec2(constants.weights[0], constants.weights[1]));
-    uvec3 high = uvec3(0u);
-    uvec3 low = uvec3(0u);
+    LightVector sum = no_light();
     for (uint d = 0u; d < job.locals; ++d) {
         uint row = min(read_bits(layer, job.row_fields, (receiver * job.locals + d) * row_bits, row_bits), job.rows - 1u);
-        uvec3 sum = sum_at(constants.sums, job.first_sum + job.clusters + row);
-        uvec3 more_high, more_low, carry;
-        umulExtended(sum, uvec3(weights.word[job.first_weight + d]), more_high, more_low);
-        low = uaddCarry(low, more_low, carry);
-        high += more_high + carry;
+        add_scaled(sum, 1u, vector_at(constants.sums, job.first_sum + job.clusters + row));
     }
+    WholeNormal normal = receiver_normal(layer, job, receiver);
     uint at = job.irradiance_word + uint(IRRADIANCE_WORDS) * receiver;
-    write_word(layer, at, irradiance_half(high.x, low.x) | irradiance_half(high.y, low.y) << 16);
-    write_word(layer, at + 1u, irradiance_half(high.z, low.z) | IRRADIANCE_LIT << 16);
+    write_word(layer, at, half_along(normal, sum, 0) | half_along(normal, sum, 1) << 16);
+    write_word(layer, at + 1u, half_along(normal, sum, 2) | IRRADIANCE_LIT << 16);
 }

@@ -4,23 +4,17 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 
-#include "shaders/radiance_matrix.glsl"
+#include "shaders/radiance_sums.glsl"
 
 void main() {
-    uint group = group_number();
-    if (group >= constants.groups) return;
-    RadianceJob job = job_of(group, uint(RADIANCE_PASS_ROWS));
-    uint row = item_of(job, group, uint(RADIANCE_PASS_ROWS));
-    if (row >= job.rows) return;
-    uvec2 layer = layer_reference(job.layer);
-    uint start_bits = bits_at(job.start_bits, 8u);
-    uint begin = start_of(layer, job.link_starts, row, job.rows, start_bits);
-    uint end = min(start_of(layer, job.link_starts, row + 1u, job.rows, start_bits), job.links);
+    SumWork work;
+    if (!sum_work(uint(RADIANCE_PASS_ROWS), work)) return;
+    RadianceJob job = work.job;
     uint link_bits = bits_at(job.bits, 16u);
-    uvec3 sum = uvec3(0u);
-    for (uint i = begin; i < end; ++i) {
-        uint cluster = min(read_bits(layer, job.link_fields, i * link_bits, link_bits), job.clusters - 1u);
-        sum += sum_at(constants.sums, job.first_sum + cluster);
+    LightVector sum = no_light();
+    for (uint i = work.begin; i < work.end; ++i) {
+        uint cluster = min(read_bits(work.layer, job.link_fields, i * link_bits, link_bits), job.clusters - 1u);
+        add_scaled(sum, 1u, vector_at(constants.sums, job.first_sum + cluster));
     }
-    set_sum(job.first_sum + job.clusters + row, sum);
+    set_sum(job.first_sum + job.clusters + work.item, sum);
 }

@@ -13,6 +13,7 @@ const uint kNoReceiver = 0xffffffffu;
 struct ReceiverShares {
     bool found;
     bool own_surface;
+    vec3 normal;  // of one that stands in, any length
     uvec4 receiver;
     vec4 weight;
 };
@@ -54,8 +55,27 @@ bool receiver_takes(ReceiverQuestion question, uint word) {
     float cosine = one * question.normal.x + a * question.normal.y + b * question.normal.z;
     float lengths = question.square * (one * one + a * a + b * b);
     bool near = cosine > 0.0 && cosine * cosine > float(RECEIVER_COSINE_SQUARED) * lengths;
-    bool loosely = cosine >= 0.0 || cosine * cosine < float(RECEIVER_LOOSE_COSINE_SQUARED) * lengths;
-    return question.loose ? loosely : near;
+    return question.loose ? cosine >= 0.0 : near;
+}
+
+// What a receiver that is not turned as the surface is costs, in units of depth.
+float receiver_turned(ReceiverQuestion question, uint word) {
+    float a = float(int(word << 8) >> 24);
+    float b = float(int(word) >> 24);
+    float one = question.surface_class % 2u == 0u ? float(RECEIVER_TILT_ONE) : -float(RECEIVER_TILT_ONE);
+    float cosine = one * question.normal.x + a * question.normal.y + b * question.normal.z;
+    float lengths = question.square * (one * one + a * a + b * b);
+    return float(RECEIVER_TURNED) * (1.0 - cosine * abs(cosine) / lengths);
+}
+
+// Of a receiver, in the world's axes.
+vec3 receiver_normal(uint surface_class, uint word) {
+    int own = int(surface_class / 2u);
+    vec3 normal = vec3(0.0, 0.0, 0.0);
+    normal[own] = surface_class % 2u == 0u ? float(RECEIVER_TILT_ONE) : -float(RECEIVER_TILT_ONE);
+    normal[(own + 1) % 3] = float(int(word << 8) >> 24);
+    normal[(own + 2) % 3] = float(int(word) >> 24);
+    return normal;
 }
 
 bool receiver_within_columns(ReceiverQuestion question) {
@@ -155,6 +175,7 @@ ReceiverShares receiver_shares(uvec2 layer, vec3 point, vec3 normal) {
     ReceiverShares result;
     result.found = false;
     result.own_surface = true;
+    result.normal = vec3(0.0, 0.0, 0.0);
     result.receiver = uvec4(0u, 0u, 0u, 0u);
     result.weight = vec4(0.0, 0.0, 0.0, 0.0);
     float sum = 0.0;
@@ -166,7 +187,8 @@ ReceiverShares receiver_shares(uvec2 layer, vec3 point, vec3 normal) {
         bool loose = round > 0u;
         ReceiverQuestion question = receiver_question(layer, header, loose ? round - 1u : own_class, loose, point, normal);
         ++round;
-        if (!receiver_within_columns(question)) continue;
+        bool looks_down = loose && question.surface_class == uint(RECEIVER_DOWNWARDS) && own_class != uint(RECEIVER_DOWNWARDS);
+        if (looks_down || !receiver_within_columns(question)) continue;
         vec2 low = vec2(floor(question.place.x), floor(question.place.y));
         ReceiverColumns columns = receiver_columns(layer, question.rows, int(low.x), int(low.y));
         for (int k = 0; k < 4; ++k) {
@@ -178,7 +200,11 @@ ReceiverShares receiver_shares(uvec2 layer, vec3 point, vec3 normal) {
             ReceiverChoice choice = receiver_best(layer, question, columns.first[k], columns.end[k], depth);
             if (choice.receiver == kNoReceiver) continue;
             if (loose) {
-                if (nearest.receiver == kNoReceiver || choice.off < nearest.off) nearest = choice;
+                uint word = layer_word(layer, question.entries + choice.receiver);
+                choice.off += receiver_turned(question, word);
+                if (nearest.receiver != kNoReceiver && !(choice.off < nearest.off)) continue;
+                nearest = choice;
+                result.normal = receiver_normal(question.surface_class, word);
             } else {
                 result.found = true;
                 result.receiver[k] = choice.receiver;

@@ -22,6 +22,13 @@ vec3 open_sky_light(LightRecord record, vec3 n) {
     return max(sum, vec3(0.0));
 }
 
+// How much more light the open sky has for one unit normal than for another, which a receiver of another surface has.
+vec3 open_sky_ratio(LightRecord record, vec3 n, vec3 other) {
+    const float least = 1e-9;
+    const float most = 4.0;
+    return min(open_sky_light(record, n) / max(open_sky_light(record, normalize(other)), vec3(least)), vec3(most));
+}
+
 // Shown light of a white surface. `place`: grid units from the tile's origin; `face`: normal of the surface, any length;
 // `normal`: unit normal that it is shaded by.
 vec3 sky_light(RadianceDraw draw, vec3 place, vec3 face, vec3 normal) {
@@ -41,6 +48,7 @@ vec3 sky_light(RadianceDraw draw, vec3 place, vec3 face, vec3 normal) {
                 lit = blue >> 16 != 0u;  // of all alike: whether the light passes have run
                 sum += shares.weight[k] * vec3(unpackHalf2x16(layer_word(layer, at)), unpackHalf2x16(blue).x);
             }
+            if (!shares.own_surface) sum *= open_sky_ratio(record, normal, shares.normal);
         }
     }
     return lit ? sum * light_vec3(record.light.sky) : open_sky_light(record, normal);

@@ -56,6 +56,7 @@ struct Arguments {
     std::string mesh_steps = "auto";
     std::optional<std::string> page_mips, page_shape;               ///< of pages; not given: what BuildOptions has
     std::optional<uint32_t> lattice, directions, local_directions;  ///< of radiance; not given: what BuildOptions has
+    std::optional<double> radiance_error;
     bool rebake = false;
     bool json = false;
 };
@@ -395,11 +396,13 @@ Status read_radiance_form(const Arguments& arguments, layers::BuildOptions& opti
     form.lattice_metres = arguments.lattice.value_or(form.lattice_metres);
     form.texels_across = arguments.directions.value_or(form.texels_across);
     form.local_across = arguments.local_directions.value_or(form.local_across);
+    form.error = arguments.radiance_error.value_or(form.error);
     form.reuse = !arguments.rebake;
     if (!asked) {
         const char* given = arguments.lattice            ? "--lattice"
                             : arguments.directions       ? "--directions"
                             : arguments.local_directions ? "--local-directions"
+                            : arguments.radiance_error   ? "--radiance-error"
                             : arguments.rebake           ? "--rebake"
                                                          : nullptr;
         if (given == nullptr) return Done{};
@@ -549,6 +552,11 @@ void add_radiance_options(CLI::App& app, Arguments& arguments) {
                    fmt::format("directions of a place's own hemisphere: M^2, 1 to {} across [default: {}]",
                                codec::radiance::kMostLocalSide, usual.local_across))
         ->check(command_line::number_from(1U, codec::radiance::kMostLocalSide));
+    app.add_option(
+           "--radiance-error", arguments.radiance_error,
+           "part of an even sky's light that each place may get wrong, for fewer bytes: what a lone ray sees is "
+           "taken for what those around it see [default: 0]")
+        ->check(command_line::number_from(0.0, 1.0));
     app.add_flag("--rebake", arguments.rebake,
                  "take nothing from the archive that is replaced (tiles whose surroundings did not change are copied "
                  "from it; the bytes are the same)");

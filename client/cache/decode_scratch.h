@@ -15,11 +15,14 @@ constexpr uint64_t decode_scratch_bytes(tiles::tileset::Layer layer, uint64_t de
     return (layer == tiles::tileset::Layer::kMesh ? 60 : 2) * decoded_bytes;
 }
 
-/// The same of a radiance layer, of which a thread has a copy of the wire bytes, too: the reader's models, and the most
-/// beside them that decode_radiance_layer held at a time on the tiles of generated cities.
-constexpr uint64_t light_scratch_bytes(uint64_t decoded_bytes, uint64_t wire_bytes) {
-    constexpr uint64_t kModelBytes = 12 << 20, kBytesPerDecodedByte = 10;
-    return kModelBytes + kBytesPerDecodedByte * decoded_bytes + wire_bytes;
+/// The same of a radiance layer, of which a thread has a copy of the wire bytes, too: what is kept of each source texel
+/// (counters of the search, bits of 256 receivers, tables of frames), and the most beside it that
+/// decode_radiance_layer held at a time on the tiles of generated cities. `texels_across`: of the source, as the
+/// manifest has it.
+constexpr uint64_t light_scratch_bytes(uint64_t texels_across, uint64_t decoded_bytes, uint64_t wire_bytes) {
+    constexpr uint64_t kBytesPerTexel = 2 << 10, kFacesOfACube = 6, kBytesPerDecodedByte = 10;
+    return kBytesPerTexel * kFacesOfACube * texels_across * texels_across + kBytesPerDecodedByte * decoded_bytes +
+           wire_bytes;
 }
 
 }  // namespace citystream::client

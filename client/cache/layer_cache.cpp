@@ -129,6 +129,7 @@ Status LayerCache::append_piece(CachedLayer& layer, std::span<const uint32_t> wo
     }
     slots_used_ += store_.slots_for(layer.store_bytes + words.size_bytes()) - store_.slots_for(layer.store_bytes);
     layer.store_bytes += words.size_bytes();
+    if (is_light(layer.key)) light_bytes_in_store_ += words.size_bytes();
     return Done{};
 }
 
@@ -168,6 +169,7 @@ void LayerCache::drop_store(CachedLayer& layer) {
     store_.destroy(layer.id);
     store_order_.erase(layer.in_store);
     count_in_store(layer.key, false);
+    if (is_light(layer.key)) light_bytes_in_store_ -= layer.store_bytes;
     slots_used_ -= store_.slots_for(layer.store_bytes);
     layer.id = kNoLayer;
     layer.store_steps = 0;

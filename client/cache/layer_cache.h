@@ -108,6 +108,7 @@ class LayerCache {
     const std::array<uint64_t, codec::facade::kMostFacadeLevels>& maps_in_store() const { return maps_in_store_; }
     uint64_t charts_in_store() const { return charts_in_store_; }
     uint64_t lights_in_store() const { return lights_in_store_; }  ///< radiance layers
+    uint64_t light_bytes_in_store() const { return light_bytes_in_store_; }
     uint64_t slot_count() const { return store_.slot_count(); }
     uint64_t slots_for(uint64_t bytes) const { return store_.slots_for(bytes); }
 
@@ -121,7 +122,7 @@ class LayerCache {
     std::list<CachedLayer*> store_order_, wire_order_;  ///< most recently needed first
     uint64_t slots_used_ = 0;
     std::array<uint64_t, codec::facade::kMostFacadeLevels> maps_in_store_{};
-    uint64_t charts_in_store_ = 0, lights_in_store_ = 0;
+    uint64_t charts_in_store_ = 0, lights_in_store_ = 0, light_bytes_in_store_ = 0;
     uint64_t selection_ = 1, update_ = 1;
 };
 

@@ -1,6 +1,8 @@
 #include "client/light/flight_light.h"
 
 #include <charconv>
+#include <filesystem>
+#include <sstream>
 
 #include "client/light/environment_path.h"
 
@@ -17,7 +19,21 @@ Result<EnvironmentPath> path_of(const LightArguments& arguments) {
                               arguments.hour.value_or(kNoon));
 }
 
+/// The option that only the analytic sky makes sense of; null: none was typed.
+const char* option_of_sky(const LightArguments& arguments) {
+    if (arguments.latitude_degrees) return "--latitude";
+    if (arguments.day_of_year) return "--day";
+    return arguments.turbidity ? "--turbidity" : nullptr;
+}
+
 }  // namespace
+
+std::optional<codec::radiance::MatrixForm> matrix_form_named(std::string_view name) {
+    using codec::radiance::MatrixForm;
+    if (name == kMatrixFormNames[0]) return MatrixForm::kBiclusters;
+    if (name == kMatrixFormNames[1]) return MatrixForm::kRows;
+    return std::nullopt;
+}
 
 Result<std::optional<double>> parse_exposure(const std::string& text) {
     if (text.empty() || text == "auto") return std::optional<double>();
@@ -35,6 +51,9 @@ Status check_light_arguments(const LightArguments& arguments) {
         return Error{"--environment and --environment-path exclude each other"};
     if (arguments.rotation_degrees && !steady) return Error{"--environment-rotation needs --environment"};
     if (arguments.hour && arguments.environment != kAnalyticSky) return Error{"--hour needs --environment sky"};
+    const char* const of_sky = option_of_sky(arguments);
+    if (of_sky != nullptr && arguments.environment != kAnalyticSky && arguments.environment_path.empty())
+        return Error{std::string(of_sky) + " needs --environment sky, or --environment-path"};
     if (!arguments.exposure.empty() && !arguments.asked_for())
         return Error{"--exposure needs --environment or --environment-path"};
     if (!arguments.sun.empty() && !arguments.asked_for())
@@ -44,12 +63,35 @@ Status check_light_arguments(const LightArguments& arguments) {
     return Done{};
 }
 
+std::string describe_light(const LightArguments& arguments) {
+    const auto file_name = [](const std::string& path) { return std::filesystem::path(path).filename().string(); };
+    std::ostringstream text;
+    if (arguments.environment.empty()) {
+        text << "the environments of " << file_name(arguments.environment_path);
+    } else if (arguments.environment == kAnalyticSky) {
+        const LightSettings usual;
+        text << "the analytic sky at " << arguments.hour.value_or(kNoon) << " h, latitude "
+             << arguments.latitude_degrees.value_or(usual.latitude_degrees) << ", day "
+             << arguments.day_of_year.value_or(usual.day_of_year) << ", turbidity "
+             << arguments.turbidity.value_or(usual.turbidity);
+    } else {
+        text << file_name(arguments.environment);
+    }
+    if (arguments.rotation_degrees) text << ", turned by " << *arguments.rotation_degrees << " degrees";
+    if (arguments.sun == "map") text << ", its sun left in the map";
+    if (!arguments.exposure.empty()) text << ", exposure " << arguments.exposure;
+    return text.str();
+}
+
 Result<FlightLight> FlightLight::load(const LightArguments& arguments) {
     const auto exposure = parse_exposure(arguments.exposure);
     if (!exposure) return exposure.error();
     auto path = path_of(arguments);
     if (!path) return path.error();
     LightSettings settings;
+    settings.latitude_degrees = arguments.latitude_degrees.value_or(settings.latitude_degrees);
+    settings.day_of_year = arguments.day_of_year.value_or(settings.day_of_year);
+    settings.turbidity = arguments.turbidity.value_or(settings.turbidity);
     settings.take_suns = arguments.sun != "map";
     auto light = EnvironmentLight::load(*path, settings);
     if (!light) return light.error();

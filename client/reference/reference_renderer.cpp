@@ -332,8 +332,8 @@ void GlesReferenceRenderer::set_camera(const Camera& camera) {
     glUniformMatrix3fv(glGetUniformLocation(program_, "view_from_world"), 1, GL_FALSE, view_from_world);
     glUniform3f(glGetUniformLocation(program_, "sun"), static_cast<float>(LIGHT_SUN_X), static_cast<float>(LIGHT_SUN_Y),
                 static_cast<float>(LIGHT_SUN_Z));
-    glUniform2f(glGetUniformLocation(program_, "light"), static_cast<float>(LIGHT_AMBIENT),
-                static_cast<float>(LIGHT_SUN));
+    glUniform2f(glGetUniformLocation(program_, "light"), options_.lit ? static_cast<float>(LIGHT_AMBIENT) : 1,
+                options_.lit ? static_cast<float>(LIGHT_SUN) : 0);
     glUniform1i(glGetUniformLocation(program_, "image"), 0);
     set_tint(camera);
 }

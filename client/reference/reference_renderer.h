@@ -18,6 +18,7 @@ struct ReferenceOptions {
     uint32_t supersample = 1;
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h
     codec::atlas::FacadeTint facade_tint = {};        ///< of walls; none by default
+    bool lit = true;                                  ///< else surfaces show their own colours
 };
 
 class ReferenceRenderer {

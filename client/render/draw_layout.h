@@ -35,6 +35,8 @@ using uint = uint32_t;
 /* Of passes in frames with a light: it has a sun; the tile has a radiance layer. */
 #define SUN_CONSTANT 7
 #define RECEIVERS_CONSTANT 8
+/* (bool): of the facade pass in such frames: relief is lit by local light (relief_draw_layout.h). */
+#define RELIEF_LIGHT_CONSTANT 9
 #define MESH_FORM_ANY 0xffffffffu
 
 /* Of a frame. Directions are the camera's axes, scaled so that clip.xyw = row * p and clip.z = near_plane (reversed z,

@@ -4,6 +4,7 @@
 
 #include "client/render/facade_renderer_layout.h"
 #include "codec/facade/facade_form.h"
+#include "codec/radiance/btf.h"
 
 namespace citystream::client {
 
@@ -20,9 +21,10 @@ constexpr double kNegligibleShare = 0.01;
 FacadeMapFacts facade_map_facts(std::span<const uint32_t> words) {
     if (words.empty() || (words[FACADE_FORM_WORD_FORM] & 0xffffu) != FACADE_FORM_MAGIC) return {};
     const auto grid = codec::facade::decode_form(words);
-    FacadeMapFacts facts{words[FACADE_FORM_WORD_FORM] >> 16, false, {}};
+    FacadeMapFacts facts{words[FACADE_FORM_WORD_FORM] >> 16, false, 0, {}};
     if (!grid.ok()) return facts;
     facts.is_opaque = !grid->has_open_cells();
+    facts.slots = codec::radiance::palette_slots(*grid);
     facts.finest = {finest_run(*grid, 0), finest_run(*grid, 1)};
     return facts;
 }

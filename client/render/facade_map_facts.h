@@ -13,6 +13,7 @@ namespace citystream::client {
 struct FacadeMapFacts {
     uint32_t form = 0;       ///< FACADE_FORM_..., 0: no facade map
     bool is_opaque = false;  ///< no open cells: whoever looks through its front does not see what is behind its back
+    uint32_t slots = 0;      ///< palette_slots (codec/radiance/btf.h)
     /// Texels: the narrowest and lowest runs of equal labels that matter (finest_run).
     std::array<float, 2> finest{};
 };

@@ -72,6 +72,10 @@ struct FrameCounts {
     uint64_t decoded_strip_triangles = 0;  ///< that the frame missed
     uint32_t radiance_tiles = 0;           ///< whose light passes ran
     uint64_t radiance_receivers = 0;       ///< of those tiles
+    /// Of relief that is lit by local light (RendererOptions::meso): the masks and BTFs that are there, the memory of
+    /// these and of local light, and facades by how they are drawn, at the middle of each.
+    uint64_t relief_masks = 0, relief_mask_bytes = 0, btfs = 0, btf_bytes = 0, local_light_bytes = 0;
+    uint64_t facades_cast = 0, facades_by_btf = 0, facades_by_mean = 0;
 };
 
 /// Time by stage in milliseconds; GPU stages from timestamps.

@@ -36,8 +36,9 @@ FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell
 }
 
 uint64_t FrameTables::bound(const SlotPool& pool, std::span<const TileDraw> tiles, bool lit) {
-    uint64_t words = lit ? tiles.size() * (sizeof(RadianceDraw) / 4 + 1) : 0;
+    uint64_t words = lit ? tiles.size() * (sizeof(ReliefDraw) / 4 + 1) : 0;
     for (const TileDraw& tile : tiles) {
+        if (lit) words += tile.facade_maps.size() * sizeof(ReliefDrawEntry) / 4 + 1;
         words += (sizeof(FacadeTableHead) + tile.facade_maps.size() * sizeof(FacadeMapEntry)) / 4 +
                  tile.map_of_placement.size() + 4;
         if (!tile.shared_charts.empty()) words += tile.chart_count * sizeof(SharedChartEntry) / 4 + 1;
@@ -107,12 +108,25 @@ Status FrameTables::add_facades(const TileDraw& tile, TileConstants& constants) 
     return Done{};
 }
 
-Result<RadianceDraw> FrameTables::add_radiance(LayerId layer, VkDeviceAddress light, TileConstants& constants) {
-    RadianceDraw draw{};
-    if (const Status status = refer(layer, draw.layer); !status) return status.error();
-    split_address(light, draw.light);
+Result<RadianceDraw> FrameTables::add_radiance(LayerId layer, VkDeviceAddress light, const TileRelief& relief,
+                                               TileConstants& constants) {
+    ReliefDraw draw{};
+    if (const Status status = refer(layer, draw.radiance.layer); !status) return status.error();
+    split_address(light, draw.radiance.light);
+    if (relief.local == kNoLayer) {
+        split_address(append(&draw.radiance, sizeof draw.radiance), constants.mesh_draw);
+        return draw.radiance;
+    }
+    if (const Status status = refer(relief.local, draw.local); !status) return status.error();
+    draw.local_receivers = relief.receivers;
+    std::vector<ReliefDrawEntry> entries(relief.maps.size());
+    for (size_t i = 0; i < entries.size(); ++i) {
+        if (const Status status = refer(relief.maps[i].mask, entries[i].mask); !status) return status.error();
+        split_address(relief.maps[i].btf, entries[i].btf);
+    }
     split_address(append(&draw, sizeof draw), constants.mesh_draw);
-    return draw;
+    append(entries.data(), entries.size() * sizeof(ReliefDrawEntry));
+    return draw.radiance;
 }
 
 Result<TileConstants> FrameTables::add_tile(const TileDraw& tile, const CameraCell& camera) {

@@ -10,6 +10,7 @@
 #include "client/render/facade_map_facts.h"
 #include "client/render/frame.h"
 #include "client/render/light_layout.h"
+#include "client/render/relief_draw_layout.h"
 #include "client/render/slot_pool.h"
 #include "client/select/camera.h"
 #include "codec/atlas/facade_tint.h"
@@ -18,6 +19,17 @@ namespace citystream::client {
 
 FrameConstants make_frame_constants(const Camera& camera, const CameraCell& cell,
                                     const codec::atlas::FacadeTint& tint = {});
+
+/// What lights the relief of a tile's facades (relief_draw_layout.h).
+struct TileRelief {
+    struct Map {
+        LayerId mask = kNoLayer;
+        VkDeviceAddress btf = 0;
+    };
+    LayerId local = kNoLayer;  ///< words of local light; kNoLayer: the tile has none
+    uint32_t receivers = 0;    ///< that have such words
+    std::vector<Map> maps;     ///< of the tile's
+};
 
 /// Makes the constants of tiles and, as words to be copied to device address `base`, the tables they refer to.
 class FrameTables {
@@ -33,8 +45,9 @@ class FrameTables {
     /// Names a coordinate layer in the constants of the tile added last.
     Status add_coordinates(LayerId layer, TileConstants& constants) { return refer(layer, constants.shared_charts); }
     /// In a frame with a light, whose LightConstants are at `light`: what lights the tile added last, also as a table
-    /// that its constants refer to.
-    Result<RadianceDraw> add_radiance(LayerId layer, VkDeviceAddress light, TileConstants& constants);
+    /// that its constants refer to. `relief`: with that of its facades.
+    Result<RadianceDraw> add_radiance(LayerId layer, VkDeviceAddress light, const TileRelief& relief,
+                                      TileConstants& constants);
     /// Whether every layer that the tile added last names lies in one piece.
     bool is_direct() const { return is_direct_; }
     std::span<const uint32_t> words() const { return words_; }

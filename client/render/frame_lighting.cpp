@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "client/render/drawn_frame.h"
 #include "client/render/light_constants.h"
 #include "client/render/map_texels.h"
 
@@ -60,14 +61,17 @@ void FrameLighting::set_light(const FrameLight& light) {
     split(map_.address, constants_.map);
 }
 
-Status FrameLighting::plan(const Camera& camera, std::span<const TileDraw> tiles) {
+Status FrameLighting::plan(const Camera& camera, std::span<const TileDraw> tiles, bool relief) {
     layers_.clear();
+    with_local_.clear();
     for (const TileDraw& tile : tiles) {
-        if (tile.radiance != kNoLayer) layers_.push_back(tile.radiance);
+        if (tile.radiance == kNoLayer) continue;
+        layers_.push_back(tile.radiance);
+        if (relief && has_facades(tile)) with_local_.push_back(tile.radiance);
     }
     std::ranges::sort(layers_);
     layers_.erase(std::ranges::unique(layers_).begin(), layers_.end());
-    if (const Status status = passes_.plan(layers_); !status) return status.error();
+    if (const Status status = passes_.plan(layers_, with_local_); !status) return status.error();
     const bool is_up = sun_ && sun_->direction[2] > 0 && luminance(sun_->irradiance) > 0;
     constants_.cascades = is_up ? SHADOW_CASCADES : 0;
     if (is_up) {

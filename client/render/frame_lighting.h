@@ -34,7 +34,13 @@ class FrameLighting {
     bool has_sun() const { return sun_.has_value(); }  ///< above the horizon or below
 
     /// A frame: plan what its tiles miss; have the cascades drawn, if there are any, into shadow_maps(); record.
-    Status plan(const Camera& camera, std::span<const TileDraw> tiles);
+    /// `relief`: tiles with facades have local light, too.
+    Status plan(const Camera& camera, std::span<const TileDraw> tiles, bool relief = false);
+    /// Of a tile of the frame planned last: see RadiancePasses.
+    LayerId local_light(LayerId radiance) const { return passes_.local_light(radiance); }
+    uint32_t local_receivers(LayerId radiance) const { return passes_.local_receivers(radiance); }
+    void make_room(uint64_t slots) { passes_.make_room(slots); }
+    uint64_t local_slots() const { return passes_.local_slots(); }
     /// None without a sun above the horizon.
     std::span<const CascadeView> cascades() const { return {cascades_.data(), constants_.cascades}; }
     /// Where there are cascades.
@@ -64,7 +70,7 @@ class FrameLighting {
     LightConstants constants_{};
     std::optional<Sun> sun_;
     std::array<CascadeView, SHADOW_CASCADES> cascades_{};
-    std::vector<LayerId> layers_;  ///< of the frame
+    std::vector<LayerId> layers_, with_local_;  ///< of the frame
 };
 
 }  // namespace citystream::client

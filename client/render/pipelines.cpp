@@ -38,9 +38,9 @@ struct ShaderConstants {
     VkBool32 alpha_test;
     float facade_tint, tints_per_metre;
     uint32_t mesh_form;
-    VkBool32 sun, receivers;
+    VkBool32 sun, receivers, relief;
 };
-constexpr std::array<VkSpecializationMapEntry, 9> kConstantEntries = {
+constexpr std::array<VkSpecializationMapEntry, 10> kConstantEntries = {
     {{DIRECT_LAYERS_CONSTANT, offsetof(ShaderConstants, direct_layers), sizeof(VkBool32)},
      {PAGES_CONSTANT, offsetof(ShaderConstants, pages), sizeof(VkBool32)},
      {CHART_TRANSPORT_CONSTANT, offsetof(ShaderConstants, transport), sizeof(uint32_t)},
@@ -49,7 +49,8 @@ constexpr std::array<VkSpecializationMapEntry, 9> kConstantEntries = {
      {TINTS_PER_METRE_CONSTANT, offsetof(ShaderConstants, tints_per_metre), sizeof(float)},
      {MESH_FORM_CONSTANT, offsetof(ShaderConstants, mesh_form), sizeof(uint32_t)},
      {SUN_CONSTANT, offsetof(ShaderConstants, sun), sizeof(VkBool32)},
-     {RECEIVERS_CONSTANT, offsetof(ShaderConstants, receivers), sizeof(VkBool32)}}};
+     {RECEIVERS_CONSTANT, offsetof(ShaderConstants, receivers), sizeof(VkBool32)},
+     {RELIEF_LIGHT_CONSTANT, offsetof(ShaderConstants, relief), sizeof(VkBool32)}}};
 
 ShaderConstants constants_of(const PassVariant& variant) {
     return {variant.reading == LayerReading::kDirect ? VK_TRUE : VK_FALSE,
@@ -60,7 +61,8 @@ ShaderConstants constants_of(const PassVariant& variant) {
             static_cast<float>(1 / variant.tint.step_metres),
             variant.mesh_form,
             variant.sun ? VK_TRUE : VK_FALSE,
-            variant.receivers ? VK_TRUE : VK_FALSE};
+            variant.receivers ? VK_TRUE : VK_FALSE,
+            variant.relief ? VK_TRUE : VK_FALSE};
 }
 
 // `fragment` empty: depth only.

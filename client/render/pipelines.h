@@ -32,6 +32,7 @@ struct PassVariant {
     bool lit = false;                    ///< by the frame's light: of the mesh and the facade pass
     bool sun = false;                    ///< where lit: the light has one
     bool receivers = false;              ///< where lit: the tile has a radiance layer
+    bool relief = false;                 ///< of the facade pass, where lit: walls have local light (relief_light.h)
     auto operator<=>(const PassVariant&) const = default;
 };
 

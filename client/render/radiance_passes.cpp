@@ -5,8 +5,10 @@
 #include <cstring>
 
 #include "codec/radiance/irradiance.h"
+#include "codec/radiance/local_light.h"
 #include "codec/radiance/radiance_resident.h"
 #include "shaders/radiance_clusters.comp.h"
+#include "shaders/radiance_local.comp.h"
 #include "shaders/radiance_receivers.comp.h"
 #include "shaders/radiance_rows.comp.h"
 
@@ -22,7 +24,7 @@ uint32_t groups_of(uint32_t items) {
 }
 
 std::array<uint32_t, RADIANCE_PASSES> items_of(const RadianceJob& job) {
-    return {job.clusters, job.rows, job.receivers};
+    return {job.clusters, job.rows, job.receivers, job.local_receivers * LOCAL_LIGHT_DIRECTIONS};
 }
 
 void split(VkDeviceAddress address, uint (&words)[2]) {
@@ -35,12 +37,19 @@ void reserve(const Device& device, Buffer& buffer, uint64_t bytes, BufferPlace p
     buffer = create_buffer(device, bytes, place);
 }
 
-/// m where there are m x m local directions, 0 where that is none of a layer's numbers.
-uint32_t side_of(uint32_t locals) {
-    for (uint32_t side = 1; side <= codec::radiance::kMostLocalSide; ++side) {
-        if (side * side == locals) return side;
+/// Texel by texel x, y and z.
+void append_vectors(std::vector<uint32_t>& words, const codec::radiance::LightVectors& vectors) {
+    for (size_t k = 0; k < vectors[0].size(); ++k) {
+        for (const auto& axis : vectors) words.insert(words.end(), axis[k].begin(), axis[k].end());
     }
-    return 0;
+}
+
+/// Whether a layer can have so many local directions.
+bool is_square_of_directions(uint32_t locals) {
+    for (uint32_t side = 1; side <= codec::radiance::kMostLocalSide; ++side) {
+        if (side * side == locals) return true;
+    }
+    return false;
 }
 
 RadianceJob job_of(const codec::radiance::RadianceLayerShape& shape, std::span<const uint32_t> matrix) {
@@ -66,12 +75,12 @@ RadianceJob job_of(const codec::radiance::RadianceLayerShape& shape, std::span<c
 }  // namespace
 
 RadiancePasses::RadiancePasses(const Device& device, SlotPool& pool, uint64_t sum_bytes)
-    : device_(device), pool_(pool), sum_bytes_(sum_bytes) {}
+    : device_(device), pool_(pool), sum_bytes_(sum_bytes), pages_(device, pool) {}
 
 RadiancePasses::~RadiancePasses() {
+    for (auto& [layer, known] : known_) drop_local(known);
     for (Pass& pass : passes_) destroy_pass(device_, pass);
-    for (Buffer* buffer : {&light_buffer_, &weight_buffer_, &job_buffer_, &sum_buffer_})
-        destroy_buffer(device_, *buffer);
+    for (Buffer* buffer : {&light_buffer_, &job_buffer_, &sum_buffer_}) destroy_buffer(device_, *buffer);
 }
 
 void RadiancePasses::set_light(const FrameLight& light) {
@@ -79,7 +88,10 @@ void RadiancePasses::set_light(const FrameLight& light) {
     number_ = light.number;
     light_is_uploaded_ = false;
     light_.clear();
-    for (const auto& texel : light.sky.values) light_.insert(light_.end(), texel.begin(), texel.end());
+    const size_t texels = light.sky.values.size();
+    if (directions_.size() != texels)
+        directions_ = codec::radiance::texel_directions(codec::radiance::texels_across_of(texels));
+    if (directions_.size() == texels) append_vectors(light_, codec::radiance::light_vectors(light.sky, directions_));
     unit_ = codec::radiance::irradiance_unit(light.sky);
 }
 
@@ -94,9 +106,14 @@ RadiancePasses::Known RadiancePasses::read_header(LayerId layer) const {
     known.job = job_of(*shape, matrix);
     const RadianceJob& job = known.job;
     // Every row is some receiver's, and where there are links or rows there is what they name.
-    known.usable = matrix[RADIANCE_WORD_RECEIVERS] == shape->receivers && side_of(job.locals) != 0 && job.columns > 0 &&
-                   job.rows <= job.receivers * job.locals && (job.rows > 0 || job.receivers == 0) &&
+    known.usable = matrix[RADIANCE_WORD_RECEIVERS] == shape->receivers && is_square_of_directions(job.locals) &&
+                   job.columns > 0 && job.rows <= job.receivers * job.locals && (job.rows > 0 || job.receivers == 0) &&
                    (job.clusters > 0 || job.links == 0) && job.clusters <= job.links && known.sums() <= kMostSums;
+    if (known.usable && job.locals == LOCAL_LIGHT_DIRECTIONS) {
+        // The row tables lie before the receivers.
+        const uint64_t rows_end = shape->irradiance_word - shape->receivers;
+        known.walls = codec::radiance::wall_receivers(read_words(pool_, layer, rows_end));
+    }
     return known;
 }
 
@@ -104,34 +121,73 @@ bool RadiancePasses::is_for_light(const Known& known) const {
     return known.usable && uint64_t{known.job.columns} * RADIANCE_SUM_WORDS == light_.size();
 }
 
-uint32_t RadiancePasses::first_weight(uint32_t locals) {
-    const auto [at, is_new] = first_weights_.emplace(locals, static_cast<uint32_t>(weights_.size()));
-    if (is_new) {
-        const std::vector<uint32_t> weights = codec::radiance::irradiance_weights(side_of(locals));
-        weights_.insert(weights_.end(), weights.begin(), weights.end());
+// Words of local light take slots of the pool, where there is room.
+void RadiancePasses::ensure_local(Known& known) {
+    if (known.local != kNoLayer || known.walls == 0) return;
+    const LayerId layer = create_layer(pool_);
+    if (!move_layer(pool_, layer, uint64_t{known.walls} * LOCAL_LIGHT_DIRECTIONS)) {
+        destroy_layer(pool_, layer);
+        return;
     }
-    return at->second;
+    known.local = layer;
+    known.local_is_lit = false;
+    local_slots_ += pool_.layers[layer].slots.size();
 }
 
-Status RadiancePasses::plan(std::span<const LayerId> layers) {
+void RadiancePasses::drop_local(Known& known) {
+    if (known.local == kNoLayer) return;
+    local_slots_ -= pool_.layers[known.local].slots.size();
+    destroy_layer(pool_, known.local);
+    known.local = kNoLayer;
+}
+
+void RadiancePasses::make_room(uint64_t slots) {
+    for (auto& [layer, known] : known_) {
+        if (free_slots(pool_) >= slots) return;
+        drop_local(known);
+    }
+}
+
+LayerId RadiancePasses::local_light(LayerId layer) const {
+    const auto found = known_.find(layer);
+    if (found == known_.end()) return kNoLayer;
+    const Known& known = found->second;
+    const bool is_planned = std::ranges::find(todo_, layer) != todo_.end();
+    return known.local_is_lit || is_planned ? known.local : kNoLayer;
+}
+
+uint32_t RadiancePasses::local_receivers(LayerId layer) const {
+    const auto found = known_.find(layer);
+    return found == known_.end() ? 0 : found->second.walls;
+}
+
+Status RadiancePasses::plan(std::span<const LayerId> layers, std::span<const LayerId> with_local) {
     todo_.clear();
     counts_ = {};
     if (!number_) return Done{};
     for (const LayerId layer : layers) {
         if (!is_live(pool_, layer)) return Error{"a radiance layer that does not exist cannot be lit"};
         Known& known = known_[layer];
-        if (known.words != pool_.layers[layer].words) known = read_header(layer);
+        if (known.words != pool_.layers[layer].words) {
+            drop_local(known);
+            known = read_header(layer);
+        }
         if (!is_for_light(known)) {
             ++counts_.unlit;
             continue;
         }
-        if (known.lit == number_) continue;
-        known.job.first_weight = first_weight(known.job.locals);
+        const bool wants_local = std::ranges::find(with_local, layer) != with_local.end();
+        if (wants_local) ensure_local(known);
+        if (known.lit != number_) known.local_is_lit = false;
+        const bool makes_local = wants_local && known.local != kNoLayer && !known.local_is_lit;
+        if (known.lit == number_ && !makes_local) continue;
+        known.job.local_receivers = makes_local ? known.walls : 0;
         todo_.push_back(layer);
         ++counts_.tiles;
         counts_.receivers += known.job.receivers;
         counts_.clusters += known.job.clusters;
         counts_.rows += known.job.rows;
+        counts_.local_receivers += known.job.local_receivers;
     }
     return Done{};
 }
@@ -163,49 +219,42 @@ void RadiancePasses::make_buffers(const std::vector<Batch>& batches) {
         passes_[RADIANCE_PASS_RECEIVERS] =
             create_compute_pass(device_, k_radiance_receivers_comp, sizeof(RadiancePassConstants));
     }
+    if (counts_.local_receivers > 0 && passes_[RADIANCE_PASS_LOCAL].handle == VK_NULL_HANDLE)
+        passes_[RADIANCE_PASS_LOCAL] =
+            create_compute_pass(device_, k_radiance_local_comp, sizeof(RadiancePassConstants));
     if (!light_is_uploaded_) {
         reserve(device_, light_buffer_, sizeof(uint32_t) * light_.size(), BufferPlace::kUpload);
         std::memcpy(light_buffer_.mapped, light_.data(), sizeof(uint32_t) * light_.size());
         light_is_uploaded_ = true;
     }
-    if (weight_buffer_.bytes < sizeof(uint32_t) * weights_.size()) {
-        reserve(device_, weight_buffer_, sizeof(uint32_t) * weights_.size(), BufferPlace::kUpload);
-        std::memcpy(weight_buffer_.mapped, weights_.data(), sizeof(uint32_t) * weights_.size());
-    }
-    uint64_t most_sums = 1, page_bytes = 0;
+    uint64_t most_sums = 1;
     for (const Batch& batch : batches) {
         uint64_t sums = 0;
         for (size_t i = batch.first; i < batch.end; ++i) sums += known_.at(todo_[i]).sums();
         most_sums = std::max(most_sums, sums);
     }
-    for (const LayerId layer : todo_) page_bytes += sizeof(VkDeviceAddress) * pool_.layers[layer].slots.size();
+    std::vector<LayerId> referred = todo_;
+    for (const LayerId layer : todo_) {
+        const LayerId local = known_.at(layer).local;
+        if (local != kNoLayer) referred.push_back(local);
+    }
+    pages_.begin(referred);
     reserve(device_, sum_buffer_, kSumBytes * most_sums, BufferPlace::kDevice);
-    const uint64_t job_bytes = sizeof(RadianceJob) * todo_.size() + page_bytes;
+    const uint64_t job_bytes = sizeof(RadianceJob) * todo_.size();
     if (job_buffer_.bytes < job_bytes)
         reserve(device_, job_buffer_, std::max<uint64_t>(16 << 10, job_bytes + job_bytes / 2), BufferPlace::kUpload);
 }
 
-/// Page tables, then jobs: of both the order is that of todo_.
 void RadiancePasses::write_jobs(const std::vector<Batch>& batches) {
     auto* const bytes = static_cast<std::byte*>(job_buffer_.mapped);
-    uint64_t pages_at = sizeof(RadianceJob) * todo_.size();
     for (const Batch& batch : batches) {
         std::array<uint32_t, RADIANCE_PASSES> groups{};
         uint64_t sums = 0;
         for (size_t i = batch.first; i < batch.end; ++i) {
-            const SlotLayer& slots = pool_.layers[todo_[i]];
             const Known& known = known_.at(todo_[i]);
             RadianceJob job = known.job;
-            if (is_contiguous(pool_, slots)) {
-                split(slot_address(pool_, slots.slots[0]) | LAYER_REF_DIRECT, job.layer);
-            } else {
-                split(job_buffer_.address + pages_at, job.layer);
-                for (const uint32_t slot : slots.slots) {
-                    const VkDeviceAddress address = slot_address(pool_, slot);
-                    std::memcpy(bytes + pages_at, &address, sizeof address);
-                    pages_at += sizeof address;
-                }
-            }
+            split(pages_.reference(todo_[i]), job.layer);
+            if (job.local_receivers > 0) split(pages_.reference(known.local), job.local_layer);
             const auto items = items_of(job);
             for (size_t pass = 0; pass < RADIANCE_PASSES; ++pass) {
                 job.first_group[pass] = groups[pass];
@@ -222,7 +271,6 @@ void RadiancePasses::record_batch(VkCommandBuffer commands, const Batch& batch) 
     RadiancePassConstants constants{};
     split(job_buffer_.address + sizeof(RadianceJob) * batch.first, constants.jobs);
     split(light_buffer_.address, constants.light);
-    split(weight_buffer_.address, constants.weights);
     split(sum_buffer_.address, constants.sums);
     constants.job_count = static_cast<uint32_t>(batch.end - batch.first);
     for (size_t pass = 0; pass < RADIANCE_PASSES; ++pass) {
@@ -254,17 +302,25 @@ void RadiancePasses::record(VkCommandBuffer commands) {
 }
 
 void RadiancePasses::finish() {
-    for (const LayerId layer : todo_) known_.at(layer).lit = number_;
+    for (const LayerId layer : todo_) {
+        Known& known = known_.at(layer);
+        known.lit = number_;
+        known.local_is_lit = known.local_is_lit || known.job.local_receivers > 0;
+    }
     todo_.clear();
 }
 
 void RadiancePasses::forget(LayerId layer) {
-    known_.erase(layer);
+    const auto found = known_.find(layer);
+    if (found != known_.end()) {
+        drop_local(found->second);
+        known_.erase(found);
+    }
     std::erase(todo_, layer);
 }
 
 uint64_t RadiancePasses::buffer_bytes() const {
-    return light_buffer_.bytes + weight_buffer_.bytes + job_buffer_.bytes + sum_buffer_.bytes;
+    return light_buffer_.bytes + job_buffer_.bytes + sum_buffer_.bytes + pages_.bytes();
 }
 
 }  // namespace citystream::client

@@ -37,6 +37,11 @@ struct RendererOptions {
     codec::atlas::FacadeTint facade_tint;  ///< of walls; none by default
     /// Texels of each of the sun's shadow maps, where a light has a sun: 64..8192. Empty: shadow_side of the frame.
     std::optional<uint32_t> shadow_side;
+    /// In frames with a light relief shades itself: by masks, further away by BTFs (relief_light.h), where a tile's
+    /// walls can have local light (codec/radiance/local_light.h). Masks and local light take room that layers leave in
+    /// the budget; BTFs have one of their own, taken when the first is made.
+    bool meso = false;
+    uint64_t btf_budget_bytes = 64ull << 20;
     bool validation = false;  ///< Khronos validation with synchronization validation; messages are counted
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h
 };

@@ -10,116 +10,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "client/report/svg_plot.h"
+#include "client/report/light_page.h"
+#include "client/report/report_plots.h"
+#include "client/report/setting_summary.h"
 #include "codec/html_text.h"
 
 namespace citystream::client {
 namespace {
-
-/// What a setting amounts to, for tables and plots.
-struct SettingSummary {
-    double gpu_ms, facade_ms, psnr_db, least_psnr_db, ssim, flip, achieved_error_pixels, position_error_pixels,
-        position_bits;
-};
-
-// Equal pictures have no finite PSNR; 99 dB stands for them where a number is needed.
-double finite_psnr(double psnr_db) {
-    return std::min(psnr_db, 99.0);
-}
-
-SettingSummary summarise(const SettingResult& setting) {
-    SettingSummary out{};
-    out.gpu_ms = median_of(setting.frames, [](const FrameRow& row) { return row.gpu_ms; });
-    out.facade_ms = median_of(setting.frames, [](const FrameRow& row) { return row.facade_ms; });
-    out.psnr_db = median_of(setting.frames, [](const FrameRow& row) { return finite_psnr(row.difference.psnr_db); });
-    out.ssim = median_of(setting.frames, [](const FrameRow& row) { return row.difference.ssim; });
-    out.flip = median_of(setting.frames, [](const FrameRow& row) { return row.difference.flip; });
-    out.position_bits = median_of(setting.frames, [](const FrameRow& row) { return row.position_bits; });
-    out.least_psnr_db = 99;
-    for (const FrameRow& row : setting.frames) {
-        out.least_psnr_db = std::min(out.least_psnr_db, finite_psnr(row.difference.psnr_db));
-        out.achieved_error_pixels = std::max(out.achieved_error_pixels, row.achieved_error_pixels);
-        out.position_error_pixels = std::max(out.position_error_pixels, row.position_error_pixels);
-    }
-    return out;
-}
-
-using Column = double (*)(const SettingResult&, const SettingSummary&);
-
-/// Series in the order of their names. What is of all metrics begins the line of each, or stands alone.
-std::vector<PlotSeries> joined(std::map<std::string, PlotSeries> by_name,
-                               const std::vector<PlotPoint>& of_all_metrics) {
-    const auto is_metric = [](const auto& entry) { return entry.first.starts_with("saliency "); };
-    if (!of_all_metrics.empty() && std::none_of(by_name.begin(), by_name.end(), is_metric)) by_name["saliency "] = {};
-    std::vector<PlotSeries> series;
-    series.reserve(by_name.size());
-    for (auto& [name, one] : by_name) {
-        one.name = name;
-        if (name.starts_with("saliency "))
-            one.points.insert(one.points.begin(), of_all_metrics.begin(), of_all_metrics.end());
-        series.push_back(std::move(one));
-    }
-    return series;
-}
-
-std::string plot_of(const SweepResult& result, const PlotAxes& axes, Column x, Column y) {
-    std::map<std::string, PlotSeries> by_name;
-    std::vector<PlotPoint> of_all_metrics;
-    for (const SettingResult& setting : result.settings) {
-        const SettingSummary summary = summarise(setting);
-        const PlotPoint point{x(setting, summary), y(setting, summary), setting.setting.label()};
-        const std::string name = setting.setting.series();
-        if (name.empty()) {
-            of_all_metrics.push_back(point);
-        } else {
-            by_name[name].points.push_back(point);
-        }
-    }
-    return plot_svg(axes, joined(std::move(by_name), of_all_metrics));
-}
-
-double megabytes(const SettingResult& setting, const SettingSummary&) {
-    return static_cast<double>(setting.total_wire_bytes) / 1e6;
-}
-double picture_megabytes(const SettingResult& setting, const SettingSummary&) {
-    return static_cast<double>(setting.total_atlas_bytes) / 1e6;
-}
-double mesh_megabytes(const SettingResult& setting, const SettingSummary&) {
-    return static_cast<double>(setting.total_mesh_bytes) / 1e6;
-}
-double frame_time(const SettingResult&, const SettingSummary& summary) {
-    return summary.gpu_ms;
-}
-double flip_error(const SettingResult&, const SettingSummary& summary) {
-    return summary.flip;
-}
-double psnr_value(const SettingResult&, const SettingSummary& summary) {
-    return summary.psnr_db;
-}
-
-std::map<std::string, std::string> plots_of(const SweepResult& result) {
-    return {
-        {"error-time.svg",
-         plot_of(result, {"Error against run time", "median frame time, ms (GPU)", "median FLIP", false}, frame_time,
-                 flip_error)},
-        {"error-bytes.svg",
-         plot_of(result, {"Error against bytes", "wire bytes of the whole path, MB", "median FLIP", true}, megabytes,
-                 flip_error)},
-        {"error-mesh-bytes.svg",
-         plot_of(result, {"Error against bytes of meshes", "wire bytes of mesh layers, MB", "median FLIP", true},
-                 mesh_megabytes, flip_error)},
-        {"error-picture-bytes.svg", plot_of(result,
-                                            {"Error against bytes of pictures",
-                                             "wire bytes of atlases and shared charts, MB", "median FLIP", true},
-                                            picture_megabytes, flip_error)},
-        {"psnr-time.svg",
-         plot_of(result, {"PSNR against run time", "median frame time, ms (GPU)", "median PSNR, dB", false}, frame_time,
-                 psnr_value)},
-        {"psnr-bytes.svg",
-         plot_of(result, {"PSNR against bytes", "wire bytes of the whole path, MB", "median PSNR, dB", true}, megabytes,
-                 psnr_value)},
-    };
-}
 
 Status write_text(const std::filesystem::path& file, const std::string& text) {
     std::ofstream out(file, std::ios::binary);
@@ -185,23 +82,36 @@ std::string picture_rows(const SweepResult& result) {
     return out;
 }
 
+nlohmann::ordered_json light_json(const SettingResult& setting, const SettingSummary& summary) {
+    nlohmann::ordered_json out = {{"light_ms_median", summary.light_ms},
+                                  {"shadow_ms_median", summary.shadow_ms},
+                                  {"decode_ms", summary.light_decode_ms},
+                                  {"radiance_bytes", setting.total_radiance_bytes},
+                                  {"radiance_gpu_bytes_most", setting.largest_radiance_gpu_bytes},
+                                  {"receivers_most", summary.receivers},
+                                  {"row_error_most", summary.row_error}};
+    if (setting.radiance) out["archive"] = radiance_cost_json(*setting.radiance);
+    return out;
+}
+
 }  // namespace
 
 std::string frames_csv(const SweepResult& result) {
     std::string out =
         "knob,value,frame,t,gpu_ms,facade_ms,select_ms,decode_ms,wire_bytes,dictionary_bytes,atlas_bytes,mesh_bytes,"
         "gpu_bytes,tiles,relief_tiles,tolerance_used,achieved_error_pixels,position_error_pixels,position_bits,psnr_db,"
-        "ssim,flip\n";
+        "ssim,flip,light_ms,shadow_ms,light_decode_ms,radiance_bytes,radiance_gpu_bytes,receivers,row_error\n";
     for (const SettingResult& setting : result.settings)
         for (const FrameRow& row : setting.frames)
             out += fmt::format(
                 "{},{},{},{:g},{:.3f},{:.3f},{:.3f},{:.3f},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.2f},{:.3f},"
-                "{:.5f},{:.5f}\n",
+                "{:.5f},{:.5f},{:.3f},{:.3f},{:.3f},{},{},{},{:.5f}\n",
                 setting.setting.knob, setting.setting.value_text(), row.frame, row.t, row.gpu_ms, row.facade_ms,
                 row.select_ms, row.decode_ms, row.wire_bytes, row.dictionary_bytes, row.atlas_bytes, row.mesh_bytes,
                 row.gpu_bytes, row.tiles, row.relief_tiles, row.tolerance_used, row.achieved_error_pixels,
                 row.position_error_pixels, row.position_bits, finite_psnr(row.difference.psnr_db), row.difference.ssim,
-                row.difference.flip);
+                row.difference.flip, row.light_ms, row.shadow_ms, row.light_decode_ms, row.radiance_bytes,
+                row.radiance_gpu_bytes, row.receivers, row.row_error);
     return out;
 }
 
@@ -215,6 +125,10 @@ std::string report_json(const SweepOptions& options, const SweepResult& result) 
     root["reference"] = {{"gpu_bytes", result.reference_gpu_bytes},
                          {"frame_ms", result.reference_ms},
                          {"triangles", result.reference_triangles}};
+    if (result.lit) {
+        root["light"] = {{"environment", result.environment}, {"rays_a_pixel", result.rays_a_pixel}};
+        if (result.radiance) root["light"]["radiance"] = radiance_cost_json(*result.radiance);
+    }
     for (const SettingResult& setting : result.settings) {
         const SettingSummary s = summarise(setting);
         nlohmann::ordered_json one = {{"knob", setting.setting.knob},
@@ -236,6 +150,7 @@ std::string report_json(const SweepOptions& options, const SweepResult& result) 
                                       {"warnings", setting.warnings}};
         if (setting.setting.is_named()) one["value"] = setting.setting.name;
         if (!setting.setting.place.empty()) one["build_options"] = setting.build_options;
+        if (result.lit) one["light"] = light_json(setting, s);
         root["settings"].push_back(std::move(one));
     }
     return root.dump(2) + "\n";
@@ -250,12 +165,14 @@ std::string report_html(const SweepOptions& options, const SweepResult& result) 
         "head><body>\n";
     out += fmt::format(
         "<h1>Error against run time and bytes</h1><p>City {}, {} x {} pixels, {} cameras along the path. Drawn on {}; "
-        "reference (uncompressed triangles, {:.1f} MiB) on {}. "
+        "reference (uncompressed triangles{}) on {}. "
         "Each setting starts cold. FLIP: mean per frame at 67 pixels a degree.</p>\n",
         escape_html(std::filesystem::path(options.city).filename().string()), options.width, options.height,
         result.reference_pictures.size(), escape_html(result.device),
-        static_cast<double>(result.reference_gpu_bytes) / (1 << 20), escape_html(result.reference_device));
-    out += summary_table(result) + archive_list(result);
+        result.lit ? std::string()
+                   : fmt::format(", {:.1f} MiB", static_cast<double>(result.reference_gpu_bytes) / (1 << 20)),
+        escape_html(result.reference_device));
+    out += summary_table(result) + light_section(result) + archive_list(result);
     out += "<div class='row'>\n";
     for (const auto& [name, svg] : plots_of(result)) out += svg;
     out += "</div>\n";

@@ -41,8 +41,9 @@ Status run_program(const std::vector<std::string>& command) {
 }  // namespace
 
 bool is_built(const std::string& knob) {
-    constexpr std::array<std::string_view, 7> kBuilt = {
-        "saliency", "rate-distortion", "mesh-transport", "normal-bits", "mesh-topology", "precision", "mesh-steps"};
+    constexpr std::array<std::string_view, 10> kBuilt = {
+        "saliency",  "rate-distortion", "mesh-transport", "normal-bits", "mesh-topology",
+        "precision", "mesh-steps",      "lattice",        "directions",  "local-directions"};
     return std::find(kBuilt.begin(), kBuilt.end(), knob) != kBuilt.end();
 }
 

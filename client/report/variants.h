@@ -1,5 +1,6 @@
 // The knobs of a report that are turned when a city is built (saliency, rate-distortion strength, the form of
-// meshes): builds the city once per setting with citystream-build, so that a sweep can fly the archives side by side.
+// meshes and of radiance): builds the city once per setting with citystream-build, so that a sweep can fly the archives
+// side by side.
 #pragma once
 
 #include <functional>
@@ -19,7 +20,8 @@ struct VariantOptions {
 };
 
 /// Whether a knob's settings are archives of their own: "saliency", "rate-distortion", "mesh-transport", "normal-bits",
-/// "mesh-topology", "precision" and "mesh-steps", each the name of an option of citystream-build.
+/// "mesh-topology", "precision", "mesh-steps", "lattice", "directions" and "local-directions", each the name of an
+/// option of citystream-build.
 bool is_built(const std::string& knob);
 
 /// citystream-build beside the running program; its plain name (to be found by PATH) where there is none.

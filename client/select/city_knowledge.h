@@ -10,6 +10,7 @@
 #include "client/select/chart_dictionary.h"
 #include "client/select/facade_dictionary.h"
 #include "codec/facade/facade_layer.h"
+#include "codec/radiance/visibility_wire.h"
 #include "tiles/tileset/directory.h"
 
 namespace citystream::client {
@@ -33,12 +34,15 @@ struct TileKnowledge {
     std::vector<codec::atlas::SharedChartUse> charts;  ///< shared ones that its atlas names
     /// The first step of its mesh has been here. Never of tiles with facades, which show charts beside their triangles.
     bool chart_boxes_known = false;
+    /// Of each prefix of its light, what it takes in the store; 0: it has not been decoded yet.
+    std::array<uint32_t, codec::radiance::kVisibilitySteps> light_bytes{};
     std::vector<ChartBox> chart_boxes;   ///< of every chart that a triangle shows, ascending
     std::vector<uint32_t> alpha_charts;  ///< of its own, those with alpha: ascending
 };
 
 struct CityKnowledge {
     std::vector<TileKnowledge> tiles;  ///< like the directory's nodes; grows with them
+    uint64_t light_sizes_learnt = 0;   ///< store_bytes of light that came to be known
     FacadeDictionary dictionary;       ///< empty until the facade index has come
     bool facades_broken = false;       ///< the facade index cannot be had: facades are drawn flat
     ChartDictionary charts;            ///< empty until the chart index has come
@@ -61,6 +65,11 @@ inline uint32_t usable_steps(const DirectoryNode& node, const TileKnowledge& kno
     const uint32_t usable = known.usable_steps[static_cast<size_t>(layer)];
     return usable < listed ? usable : listed;
 }
+
+/// What the first steps of a layer take in the store: by the directory, which of light says the most that any form of
+/// its matrix takes, or less once that is known.
+uint64_t store_bytes(const DirectoryNode& node, const TileKnowledge& known, tiles::tileset::Layer layer,
+                     uint32_t steps);
 
 /// Whether a tile can be drawn in place of its parent: the first steps of its mesh and atlas can be had, and a mesh cut
 /// short by damage is still no worse than the parent would be.

@@ -89,6 +89,12 @@ uint64_t wire_prefix_bytes(const std::vector<StepRecord>& steps, uint32_t count)
     return count == 0 ? 0 : steps[count - 1].end;
 }
 
+uint64_t store_bytes(const DirectoryNode& node, const TileKnowledge& known, Layer layer, uint32_t steps) {
+    const bool is_learnt = layer == Layer::kRadiance && steps > 0 && steps <= known.light_bytes.size();
+    const uint32_t learnt = is_learnt ? known.light_bytes[steps - 1] : 0;
+    return learnt > 0 ? learnt : decoded_prefix_bytes(node.record->steps(layer), steps);
+}
+
 void Selector::begin_camera(const Camera& camera, double tolerance) {
     camera_ = camera;
     relief_ratio_ = relief_.tolerance_pixels && tolerance > 0 ? *relief_.tolerance_pixels / tolerance : 1;
@@ -388,16 +394,19 @@ bool Selector::raise_light(SelectedTile& tile, uint8_t steps, const SelectionBud
                            SelectionCost& cost) const {
     uint8_t& held = tile.steps[static_cast<size_t>(Layer::kRadiance)];
     if (steps <= held) return true;
-    const auto& all = directory_.node(tile.node).record->steps(Layer::kRadiance);
+    const DirectoryNode& node = directory_.node(tile.node);
+    const auto& all = node.record->steps(Layer::kRadiance);
     const auto slots = [&](uint32_t count) {
-        return (decoded_prefix_bytes(all, count) + budget.slot_bytes - 1) / budget.slot_bytes;
+        const uint64_t bytes = store_bytes(node, knowledge_.tiles[tile.node], Layer::kRadiance, count);
+        return (bytes + budget.slot_bytes - 1) / budget.slot_bytes;
     };
     SelectionCost with = cost;
     with.wire_bytes += wire_prefix_bytes(all, steps) - wire_prefix_bytes(all, held);
-    with.slots += slots(steps) - slots(held);
+    with.slots = with.slots + slots(steps) - slots(held);
     with.layers += held == 0 ? 1 : 0;
     with.largest_scratch = std::max(
-        with.largest_scratch, light_scratch_bytes(decoded_prefix_bytes(all, steps), wire_prefix_bytes(all, steps)));
+        with.largest_scratch, light_scratch_bytes(directory_.manifest().radiance_texels_across,
+                                                  decoded_prefix_bytes(all, steps), wire_prefix_bytes(all, steps)));
     if (!fits(with, budget)) return false;
     cost = with;
     held = steps;

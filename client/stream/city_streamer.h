@@ -46,6 +46,7 @@ struct StreamerOptions {
     bool facade_boxes = true;  ///< with them: raw words for a renderer that steps through boxes
     uint32_t map_threads = 0;  ///< that expand and convert facade maps; 0: one a core
     codec::radiance::MatrixForm matrix_form = codec::radiance::MatrixForm::kBiclusters;  ///< of radiance layers
+    double matrix_error = 0;               ///< that their rows may have (MatrixOptions::row_error)
     uint32_t light_threads = 0;            ///< that decode them (LightOptions)
     uint32_t max_requests_in_flight = 64;  ///< the rest waits in the streamer, where each update orders it anew
     std::shared_ptr<DirectoryPool>
@@ -73,8 +74,11 @@ struct StreamerFrame {
     double map_conversion_ms = 0;                                          ///< all cores together
     uint64_t light_tiles = 0;                                              ///< drawn with a radiance layer of their own
     uint64_t light_layers = 0;                                             ///< radiance layers in the store after it
+    uint64_t light_bytes = 0;                                              ///< that they take there
     uint64_t light_decodes = 0;                                            ///< prefixes of them
     double light_decode_ms = 0;                                            ///< all cores together
+    double light_row_error = 0;                                            ///< of the worst row decoded
+    uint64_t light_quarters_dropped = 0;                                   ///< of the matrices decoded
     uint64_t caster_tiles = 0;                                             ///< in casters()
     double light_tolerance_used = 0;                                       ///< relative radiance; 0: no light is wanted
     uint64_t gpu_bytes_used = 0;                                           ///< slots in use, in bytes

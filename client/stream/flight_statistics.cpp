@@ -41,8 +41,19 @@ Json frame_light_json(const FlightFrame& frame) {
             {"casters", s.caster_tiles},
             {"decodes", s.light_decodes},
             {"decode_ms", milliseconds(s.light_decode_ms)},
+            {"bytes", s.light_bytes},
+            {"row_error", s.light_row_error},
+            {"quarters_dropped", s.light_quarters_dropped},
             {"pass_tiles", frame.counts.radiance_tiles},
-            {"pass_receivers", frame.counts.radiance_receivers}};
+            {"pass_receivers", frame.counts.radiance_receivers},
+            {"local_bytes", frame.counts.local_light_bytes},
+            {"masks", frame.counts.relief_masks},
+            {"mask_bytes", frame.counts.relief_mask_bytes},
+            {"btfs", frame.counts.btfs},
+            {"btf_bytes", frame.counts.btf_bytes},
+            {"facades_cast", frame.counts.facades_cast},
+            {"facades_by_btf", frame.counts.facades_by_btf},
+            {"facades_by_mean", frame.counts.facades_by_mean}};
 }
 
 Json frame_json(const FlightFrame& frame) {
@@ -147,6 +158,8 @@ Json description_json(const FlightDescription& d) {
             {"environment_path", d.environment_path},
             {"light_tolerance", d.light_tolerance},
             {"matrix", d.matrix},
+            {"matrix_error", d.matrix_error},
+            {"meso", d.meso},
             {"occlusion", d.occlusion},
             {"gpu_budget_bytes", d.gpu_budget_bytes},
             {"host_budget_bytes", d.host_budget_bytes}};
@@ -217,9 +230,20 @@ Json light_json(const std::vector<FlightFrame>& frames, const FlightTotals& tota
             {"casters_most", most(frames, [](const FlightFrame& f) { return f.stream.caster_tiles; })},
             {"decodes", sum(frames, [](const FlightFrame& f) { return f.stream.light_decodes; })},
             {"decode_ms", milliseconds(decode_ms)},
+            {"bytes_most", most(frames, [](const FlightFrame& f) { return f.stream.light_bytes; })},
+            {"row_error_max", most(frames, [](const FlightFrame& f) { return f.stream.light_row_error; })},
+            {"quarters_dropped", sum(frames, [](const FlightFrame& f) { return f.stream.light_quarters_dropped; })},
             {"pass_frames", sum(frames, [](const FlightFrame& f) { return f.counts.radiance_tiles > 0 ? 1 : 0; })},
             {"pass_tiles", sum(frames, [](const FlightFrame& f) { return f.counts.radiance_tiles; })},
-            {"pass_receivers", sum(frames, [](const FlightFrame& f) { return f.counts.radiance_receivers; })}};
+            {"pass_receivers", sum(frames, [](const FlightFrame& f) { return f.counts.radiance_receivers; })},
+            {"local_bytes_most", most(frames, [](const FlightFrame& f) { return f.counts.local_light_bytes; })},
+            {"masks_most", most(frames, [](const FlightFrame& f) { return f.counts.relief_masks; })},
+            {"mask_bytes_most", most(frames, [](const FlightFrame& f) { return f.counts.relief_mask_bytes; })},
+            {"btfs_most", most(frames, [](const FlightFrame& f) { return f.counts.btfs; })},
+            {"btf_bytes_most", most(frames, [](const FlightFrame& f) { return f.counts.btf_bytes; })},
+            {"facades_cast", sum(frames, [](const FlightFrame& f) { return f.counts.facades_cast; })},
+            {"facades_by_btf", sum(frames, [](const FlightFrame& f) { return f.counts.facades_by_btf; })},
+            {"facades_by_mean", sum(frames, [](const FlightFrame& f) { return f.counts.facades_by_mean; })}};
 }
 
 /// How far vertices are off, and what of their coordinates is shown.

@@ -38,6 +38,8 @@ struct FlightDescription {
     double relief_tolerance_pixels = 0, texel_tolerance_pixels = 0, position_tolerance_pixels = 0;
     std::string environment, environment_path, matrix;  ///< empty without light
     double light_tolerance = 0;                         ///< relative radiance; 0 without light
+    double matrix_error = 0;                            ///< the same, of rows
+    bool meso = false;                                  ///< relief shades itself
     uint32_t facade_samples = 1;
     bool occlusion = true;
     uint32_t width = 0, height = 0;

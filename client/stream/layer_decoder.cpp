@@ -79,14 +79,14 @@ bool decode_mesh(std::span<const std::vector<std::byte>> wire, std::span<const t
 }
 
 bool decode_light(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
-                  codec::radiance::MatrixForm form, std::vector<uint32_t>& words, DecodeFailure& failure) {
+                  const codec::radiance::MatrixOptions& matrix, DecodedLight& out, DecodeFailure& failure) {
     const auto spans = spans_of(wire, steps.size());
     for (size_t count = spans.size(); count > 0; --count) {
         uint64_t decoded = 0;
         for (const auto& step : steps.first(count)) decoded += step.decoded_bytes;
-        auto layer = codec::radiance::decode_radiance_layer(std::span(spans).first(count), decoded, form);
+        auto layer = codec::radiance::decode_radiance_layer(std::span(spans).first(count), decoded, matrix, &out.loss);
         if (layer && count == spans.size()) {
-            words = std::move(*layer);
+            out.words = std::move(*layer);
             return true;
         }
         if (layer) break;

@@ -39,6 +39,12 @@ struct NameLimits {
     uint64_t shared_charts = 0;   ///< of the chart dictionary (atlas)
 };
 
+/// A radiance layer's words, and what its matrix has left out.
+struct DecodedLight {
+    std::vector<uint32_t> words;
+    codec::radiance::MatrixLoss loss;
+};
+
 /// Where decoding failed: the step whose bytes are bad.
 struct DecodeFailure {
     uint32_t step = 0;
@@ -58,7 +64,7 @@ bool decode_mesh(std::span<const std::vector<std::byte>> wire, std::span<const t
 /// The words of steps [0, steps.size()) of a radiance layer. On failure `failure` names the first step without which
 /// the steps before it are good.
 bool decode_light(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
-                  codec::radiance::MatrixForm form, std::vector<uint32_t>& words, DecodeFailure& failure);
+                  const codec::radiance::MatrixOptions& matrix, DecodedLight& out, DecodeFailure& failure);
 
 /// What the first steps of a mesh say, without making words of them.
 Result<codec::mesh::MeshContent> decode_mesh_content(std::span<const std::vector<std::byte>> wire,

@@ -21,10 +21,11 @@ uint32_t threads_of(const LightOptions& options) {
 
 }  // namespace
 
-LightResidency::LightResidency(const DirectoryCache& directory, LayerCache& cache, HostMemory& host,
-                               TileResidency& tiles, Warnings& warnings, ResidencyCounters& counters,
+LightResidency::LightResidency(const DirectoryCache& directory, CityKnowledge& knowledge, LayerCache& cache,
+                               HostMemory& host, TileResidency& tiles, Warnings& warnings, ResidencyCounters& counters,
                                const LightOptions& options)
     : directory_(directory),
+      knowledge_(knowledge),
       cache_(cache),
       host_(host),
       tiles_(tiles),
@@ -79,14 +80,15 @@ LightResidency::Start LightResidency::start(const SelectedTile& tile) {
         count_only(*entry, decoded, steps);
         return Start::kDone;
     }
-    const uint64_t scratch = light_scratch_bytes(decoded, wanted.back().end);
+    const uint64_t scratch =
+        light_scratch_bytes(directory_.manifest().radiance_texels_across, decoded, wanted.back().end);
     if (!cache_.free_host(scratch)) return Start::kNoRoom;
     // The bytes may be dropped while a thread reads them.
     std::vector<std::vector<std::byte>> wire(entry->wire.begin(), entry->wire.begin() + steps);
-    auto work = [wire = std::move(wire), wanted, form = options_.form] {
+    auto work = [wire = std::move(wire), wanted, matrix = options_.matrix] {
         Decoded result;
         const Stopwatch watch(result.ms);
-        result.good = decode_light(wire, wanted, form, result.words, result.failure);
+        result.good = decode_light(wire, wanted, matrix, result.light, result.failure);
         return result;
     };
     under_way_.emplace_back(tile.node, steps, host_, scratch).result = std::async(std::launch::async, std::move(work));
@@ -106,13 +108,24 @@ void LightResidency::take_first() {
     const Decoded decoded = under_way_.front().result.get();
     ++counters_.light_decodes;
     counters_.light_decode_ms += decoded.ms;
+    counters_.light_row_error = std::max(counters_.light_row_error, decoded.light.loss.row_error);
+    counters_.light_quarters_dropped += decoded.light.loss.quarters;
     CachedLayer& entry = cache_.at(layer_key(node, Layer::kRadiance));
     if (!decoded.good) {
         tiles_.damaged(entry, node, Layer::kRadiance, decoded.failure.step, decoded.failure.message);
     } else if (steps > entry.store_steps) {
-        store(entry, node, steps, decoded.words);
+        learn(node, steps, decoded.light.words.size() * sizeof(uint32_t));
+        store(entry, node, steps, decoded.light.words);
     }
     under_way_.pop_front();
+}
+
+/// So that what the directory had to allow for beyond it is free for other tiles.
+void LightResidency::learn(NodeIndex node, uint32_t steps, uint64_t bytes) {
+    uint32_t& known = knowledge_.tiles[node].light_bytes[steps - 1];
+    if (known == bytes) return;
+    known = static_cast<uint32_t>(bytes);
+    ++knowledge_.light_sizes_learnt;
 }
 
 void LightResidency::store(CachedLayer& entry, NodeIndex node, uint32_t steps, std::span<const uint32_t> words) {

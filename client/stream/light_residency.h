@@ -25,17 +25,17 @@ struct LightOptions {
     /// have finished is taken in by later calls.
     bool wait = true;
     uint32_t threads = 0;  ///< 0: one a core, without waiting one less
-    codec::radiance::MatrixForm form = codec::radiance::MatrixForm::kBiclusters;
+    codec::radiance::MatrixOptions matrix;
     const std::atomic<bool>* stop = nullptr;  ///< set by a signal handler: no more are begun
 };
 
 /// One thread calls it. Results enter the store in the order in which their tiles were begun, so that with waiting what
-/// the store holds does not depend on the number of threads. What threads work on is counted in host memory's scratch
-/// until it is taken in.
+/// the store holds does not depend on the number of threads. What a prefix takes there is noted in the knowledge. What
+/// threads work on is counted in host memory's scratch until it is taken in.
 class LightResidency {
   public:
-    LightResidency(const DirectoryCache& directory, LayerCache& cache, HostMemory& host, TileResidency& tiles,
-                   Warnings& warnings, ResidencyCounters& counters, const LightOptions& options);
+    LightResidency(const DirectoryCache& directory, CityKnowledge& knowledge, LayerCache& cache, HostMemory& host,
+                   TileResidency& tiles, Warnings& warnings, ResidencyCounters& counters, const LightOptions& options);
     /// Waits for its threads.
     ~LightResidency();
     LightResidency(const LightResidency&) = delete;
@@ -52,7 +52,7 @@ class LightResidency {
   private:
     struct Decoded {
         bool good = false;
-        std::vector<uint32_t> words;
+        DecodedLight light;
         DecodeFailure failure;
         double ms = 0;
     };
@@ -69,12 +69,14 @@ class LightResidency {
     Start start(const SelectedTile& tile);
     void take_first();
     void take_finished();
+    void learn(NodeIndex node, uint32_t steps, uint64_t bytes);
     void store(CachedLayer& entry, NodeIndex node, uint32_t steps, std::span<const uint32_t> words);
     void count_only(CachedLayer& entry, uint64_t bytes, uint32_t steps);
     bool is_under_way(NodeIndex node) const;
     bool stopped() const { return options_.stop != nullptr && options_.stop->load(); }
 
     const DirectoryCache& directory_;
+    CityKnowledge& knowledge_;
     LayerCache& cache_;
     HostMemory& host_;
     TileResidency& tiles_;

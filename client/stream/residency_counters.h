@@ -15,6 +15,8 @@ struct ResidencyCounters {
     double conversion_ms = 0;                           ///< of all cores together
     uint64_t light_decodes = 0;                         ///< prefixes of radiance layers
     double light_decode_ms = 0;                         ///< of all cores together
+    double light_row_error = 0;                         ///< of the worst row of them (MatrixLoss)
+    uint64_t light_quarters_dropped = 0;                ///< from their matrices
 };
 
 /// Adds the time of its life to a counter.

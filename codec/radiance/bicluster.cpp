@@ -44,6 +44,13 @@ Cluster sorted_cluster(const BiclusterSearch& search) {
     return cluster;
 }
 
+RowBudgets budgets_of(const Transfer& transfer, const BiclusterOptions& options) {
+    std::vector<uint32_t> left(options.row_budgets.begin(), options.row_budgets.end());
+    if (left.empty() && options.row_budget > 0) left.assign(transfer.rows(), options.row_budget);
+    if (left.empty()) return {};
+    return {transfer, std::move(left), options.column_weights};
+}
+
 /// Takes clusters from a matrix until nothing is left.
 class Finder {
   public:
@@ -52,7 +59,7 @@ class Finder {
           search_(matrix_),
           options_(options),
           random_(options.random_seed),
-          budget_(options.row_budget > 0 ? transfer.rows() : 0, options.row_budget) {
+          budgets_(budgets_of(transfer, options)) {
         found_.rows = transfer.rows();
         found_.columns = transfer.columns;
     }
@@ -85,20 +92,22 @@ class Finder {
         if (cluster.rows.size() < grown)
             cluster = {
                 {row}, {static_cast<uint16_t>(ShrinkingMatrix::line_of(seed))}, {ShrinkingMatrix::value_of(seed)}};
-        matrix_.subtract(cluster.rows, cluster.columns, cluster.values, budget_);
+        matrix_.subtract(cluster.rows, cluster.columns, cluster.values, budgets_);
         found_.add(cluster.rows, cluster.columns, cluster.values);
     }
 
-    /// Whether a row of its own may be left out altogether.
-    bool is_within_budget(const Cluster& cluster) const {
-        if (budget_.empty() || cluster.rows.size() > 1) return false;
-        uint32_t size = 0;
-        for (const uint32_t e : matrix_.row(cluster.rows[0])) {
-            const auto k = static_cast<uint16_t>(ShrinkingMatrix::line_of(e));
-            if (std::binary_search(cluster.columns.begin(), cluster.columns.end(), k))
-                size += static_cast<uint32_t>(std::abs(ShrinkingMatrix::value_of(e)));
+    /// Whether all entries of a cluster of one row may be left out.
+    bool is_within_budget(const Cluster& cluster) {
+        if (budgets_.empty() || cluster.rows.size() > 1) return false;
+        const uint32_t row = cluster.rows[0];
+        uint64_t size = 0;
+        for (const uint32_t e : matrix_.row(row)) {
+            const uint32_t k = ShrinkingMatrix::line_of(e);
+            if (!has_column(cluster, k)) continue;
+            if (!budgets_.allow(row, k, ShrinkingMatrix::value_of(e))) return false;
+            size += budgets_.size_of(k, ShrinkingMatrix::value_of(e));
         }
-        return size <= budget_[cluster.rows[0]];
+        return size <= budgets_.left(row);
     }
 
     void drop(const Cluster& cluster) {
@@ -106,17 +115,20 @@ class Finder {
         const std::vector<uint32_t> entries(matrix_.row(row).begin(), matrix_.row(row).end());
         for (const uint32_t e : entries) {
             const uint32_t k = ShrinkingMatrix::line_of(e);
-            if (!std::binary_search(cluster.columns.begin(), cluster.columns.end(), static_cast<uint16_t>(k))) continue;
-            budget_[row] -= static_cast<uint32_t>(std::abs(ShrinkingMatrix::value_of(e)));
-            matrix_.drop(row, k);
+            if (!has_column(cluster, k)) continue;
+            if (budgets_.take(row, k, ShrinkingMatrix::value_of(e))) matrix_.drop(row, k);
         }
+    }
+
+    static bool has_column(const Cluster& cluster, uint32_t column) {
+        return std::binary_search(cluster.columns.begin(), cluster.columns.end(), static_cast<uint16_t>(column));
     }
 
     ShrinkingMatrix matrix_;
     BiclusterSearch search_;
     BiclusterOptions options_;
     SplitMix random_;
-    std::vector<uint32_t> budget_;
+    RowBudgets budgets_;
     Biclusters found_;
 };
 

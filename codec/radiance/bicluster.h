@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "codec/radiance/biclusters.h"
 
@@ -18,12 +19,17 @@ struct BiclusterOptions {
     Seeding seeding = Seeding::kEntry;
     uint64_t random_seed = 1;
     /// Quarters by which the clusters' sum may miss a row, added up over its texels; 0: exact. The light of a row is
-    /// then wrong by at most row_budget / 4 times the brightest texel's weighted light.
+    /// then too low by at most row_budget / 4 times the brightest texel's weighted light, and never too high: quarters
+    /// are left out and none added.
     uint32_t row_budget = 0;
+    /// Of each column, what a quarter of it takes from a budget; none: 1.
+    std::span<const uint32_t> column_weights = {};
+    /// Of each row, in place of row_budget; none: row_budget.
+    std::span<const uint32_t> row_budgets = {};
 };
 
 /// Clusters in the order of their first rows; the same for the same options. Sum of W <= 2 nnz(T); row_errors() within
-/// the budget. Values that residuals reach stay within int8: a row whose residual would not is left out of a cluster.
+/// the budgets. Values that residuals reach stay within int8: a row whose residual would not is left out of a cluster.
 ///
 /// Rows below 2^24. Time: nonzeros of the lines of all operations: 0.5 s for the 1.9 million entries of a city
 /// tile of 1,900 receivers, 0.3 s for its distinct rows.

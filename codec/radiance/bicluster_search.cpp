@@ -70,18 +70,35 @@ void ShrinkingMatrix::replace_row(uint32_t row, std::span<const uint32_t> entrie
     place_of_row_[row] = kNone;
 }
 
+/// Of a texel that the row has not: the number of all entries.
+size_t RowBudgets::place(uint32_t row, uint32_t column) const {
+    const auto begin = transfer_->column.begin() + transfer_->row_begin[row];
+    const auto end = transfer_->column.begin() + transfer_->row_begin[row + 1];
+    const auto at = std::lower_bound(begin, end, column);
+    return at != end && *at == column ? static_cast<size_t>(at - transfer_->column.begin()) : quarters_.size();
+}
+
+int RowBudgets::quarters_left(uint32_t row, uint32_t column) const {
+    const size_t at = place(row, column);
+    return at < quarters_.size() ? quarters_[at] : 0;
+}
+
+bool RowBudgets::take(uint32_t row, uint32_t column, int residual) {
+    if (!allow(row, column, residual)) return false;
+    left_[row] -= size_of(column, residual);
+    int8_t& quarters = quarters_[place(row, column)];
+    quarters = static_cast<int8_t>(quarters - residual);
+    return true;
+}
+
 void ShrinkingMatrix::subtract(std::span<const uint32_t> rows, std::span<const uint16_t> columns,
-                               std::span<const int8_t> values, std::span<uint32_t> budget) {
+                               std::span<const int8_t> values, RowBudgets& budgets) {
     if (added_.size() < columns.size()) added_.resize(columns.size());
     for (size_t m = 0; m < columns.size(); ++m) added_[m].clear();
     for (const uint32_t row : rows) {
         merged_.clear();
         const auto leave = [&](int residual, size_t m) {
-            const auto size = static_cast<uint32_t>(std::abs(residual));
-            if (!budget.empty() && size <= budget[row]) {
-                budget[row] -= size;
-                return;
-            }
+            if (budgets.take(row, columns[m], residual)) return;
             merged_.push_back(entry(columns[m], residual));
             added_[m].push_back(entry(row, residual));
         };

@@ -13,13 +13,48 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "codec/radiance/biclusters.h"
 #include "codec/radiance/key_queue.h"
 
 namespace citystream::codec::radiance {
+
+/// How much of each row may be left out. Only what is left of the matrix' own entries is: so clusters never add up to
+/// more than the matrix has, nor to less than 0.
+class RowBudgets {
+  public:
+    /// Nothing.
+    RowBudgets() = default;
+    /// `left`: of each row, in quarters times weights. `weights`: of each column; none: 1. Both the transfer and the
+    /// weights outlive it.
+    RowBudgets(const Transfer& transfer, std::vector<uint32_t> left, std::span<const uint32_t> weights)
+        : transfer_(&transfer), left_(std::move(left)), weights_(weights), quarters_(transfer.quarters) {}
+
+    bool empty() const { return left_.empty(); }
+    uint32_t left(uint32_t row) const { return left_[row]; }
+    uint32_t size_of(uint32_t column, int residual) const {
+        return weight_of(weights_, column) * static_cast<uint32_t>(std::abs(residual));
+    }
+    bool allow(uint32_t row, uint32_t column, int residual) const {
+        return !left_.empty() && residual > 0 && size_of(column, residual) <= left_[row] &&
+               residual <= quarters_left(row, column);
+    }
+    /// Leaves a residual out when it is allowed.
+    bool take(uint32_t row, uint32_t column, int residual);
+
+  private:
+    size_t place(uint32_t row, uint32_t column) const;
+    int quarters_left(uint32_t row, uint32_t column) const;
+
+    const Transfer* transfer_ = nullptr;
+    std::vector<uint32_t> left_;
+    std::span<const uint32_t> weights_;
+    std::vector<int8_t> quarters_;  ///< of each entry of the transfer, those not left out
+};
 
 /// The matrix while clusters are taken away from it, by rows and by columns. An entry is its other line << 8 | value.
 class ShrinkingMatrix {
@@ -37,11 +72,10 @@ class ShrinkingMatrix {
     static int8_t value_of(uint32_t entry) { return static_cast<int8_t>(entry & 0xff); }
     static uint32_t entry(uint32_t line, int value) { return line << 8 | (static_cast<uint32_t>(value) & 0xff); }
 
-    /// Takes a cluster away. Columns rising. No row's residual may leave int8 (fits()). Residuals are dropped, in
-    /// order of the columns, as long as they are within what is left of their row's `budget` (in quarters; of each row
-    /// of the matrix), which they then lessen.
+    /// Takes a cluster away. Columns rising. No row's residual may leave int8 (fits()). Residuals that `budgets` allow
+    /// are dropped, in order of the columns.
     void subtract(std::span<const uint32_t> rows, std::span<const uint16_t> columns, std::span<const int8_t> values,
-                  std::span<uint32_t> budget);
+                  RowBudgets& budgets);
     bool fits(uint32_t row, std::span<const uint16_t> columns, std::span<const int8_t> values) const;
     /// Sets an entry to 0.
     void drop(uint32_t row, uint32_t column);

@@ -164,19 +164,22 @@ Transfer sum_of(const Biclusters& clusters) {
     return transfer;
 }
 
-std::vector<uint32_t> row_errors(const Transfer& transfer, const Biclusters& clusters) {
+std::vector<uint32_t> row_errors(const Transfer& transfer, const Biclusters& clusters,
+                                 std::span<const uint32_t> column_weights) {
     std::vector<uint32_t> errors(transfer.rows(), 0);
     RowSums sums(clusters);
     for (uint32_t row = 0; row < transfer.rows(); ++row) {
         uint32_t at = transfer.row_begin[row];
         const uint32_t end = transfer.row_begin[row + 1];
-        const auto differ = [&](int32_t by) { errors[row] += static_cast<uint32_t>(std::abs(by)); };
+        const auto differ = [&](uint32_t column, int32_t by) {
+            errors[row] += weight_of(column_weights, column) * static_cast<uint32_t>(std::abs(by));
+        };
         sums.visit_row(row, [&](uint16_t column, int32_t sum) {
-            for (; at < end && transfer.column[at] < column; ++at) differ(transfer.quarters[at]);
+            for (; at < end && transfer.column[at] < column; ++at) differ(transfer.column[at], transfer.quarters[at]);
             const bool met = at < end && transfer.column[at] == column;
-            differ(sum - (met ? transfer.quarters[at++] : 0));
+            differ(column, sum - (met ? transfer.quarters[at++] : 0));
         });
-        for (; at < end; ++at) differ(transfer.quarters[at]);
+        for (; at < end; ++at) differ(transfer.column[at], transfer.quarters[at]);
     }
     return errors;
 }

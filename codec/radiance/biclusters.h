@@ -47,8 +47,15 @@ void merge_equal_rows(Biclusters& clusters);
 /// The matrix that the clusters add up to, which must be within int8. O(entries of clusters).
 Transfer sum_of(const Biclusters& clusters);
 
-/// Of each row: sum of |T - sum of clusters| in quarters. A row's light differs by no more than a quarter of this times
-/// the brightest texel's weighted light: |dL*_j| <= sum |q| / 4 L_max.
-std::vector<uint32_t> row_errors(const Transfer& transfer, const Biclusters& clusters);
+/// What a quarter of a column counts; no weights: 1.
+inline uint32_t weight_of(std::span<const uint32_t> column_weights, uint32_t column) {
+    return column_weights.empty() ? 1 : column_weights[column];
+}
+
+/// Of each row: sum of |T - sum of clusters| in quarters, or in weights where columns have some. A row's light differs
+/// by no more than a quarter of the sum in quarters times the brightest texel's weighted light: |dL*_j| <= sum |q| / 4
+/// L_max.
+std::vector<uint32_t> row_errors(const Transfer& transfer, const Biclusters& clusters,
+                                 std::span<const uint32_t> column_weights = {});
 
 }  // namespace citystream::codec::radiance

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "codec/radiance/bicluster.h"
+#include "codec/radiance/near_rows.h"
 #include "codec/radiance/place_wire.h"
 #include "codec/radiance/radiance_layer_layout.h"
 #include "codec/radiance/radiance_resident.h"
@@ -123,14 +124,71 @@ Biclusters rows_as_clusters(const Transfer& rows) {
     return clusters;
 }
 
-Result<std::vector<uint32_t>> matrix_words(const DistinctRows& distinct, uint32_t local_count, MatrixForm form) {
-    std::vector<uint32_t> rows = make_resident_radiance(rows_as_clusters(distinct.rows), distinct.row_of, local_count);
-    if (rows.empty()) return Error{"a radiance layer's matrix is larger than it can be"};
-    if (form == MatrixForm::kRows) return rows;
+/// Rows of which groups are one, and what each may still lose.
+struct LossyRows {
+    RowBound bound;
+    NearRows near;
+    std::vector<uint32_t> budgets;
+};
+
+LossyRows lossy_rows(const DistinctRows& distinct, uint32_t local_count, double row_error) {
+    LossyRows rows;
+    rows.bound = row_bound(texels_across_of(distinct.rows.columns), local_count, row_error);
+    rows.near = merge_near_rows(distinct, local_count, rows.bound);
+    for (const uint32_t missed : rows.near.missed) rows.budgets.push_back(rows.bound.most - missed);
+    return rows;
+}
+
+/// `held`: none where rows are held as they are.
+MatrixLoss loss_of(const LossyRows& rows, const Biclusters& held) {
+    const Transfer& transfer = rows.near.distinct.rows;
+    std::vector<uint32_t> units = rows.near.missed;
+    uint64_t quarters = rows.near.quarters;
+    if (held.count() > 0) {
+        const std::vector<uint32_t> more = row_errors(transfer, held, rows.bound.weights);
+        for (size_t j = 0; j < units.size(); ++j) units[j] += more[j];
+        for (const uint32_t q : row_errors(transfer, held)) quarters += q;
+    }
+    return {units.empty() ? 0 : *std::max_element(units.begin(), units.end()) * rows.bound.unit, quarters};
+}
+
+std::vector<uint32_t> row_words(const DistinctRows& distinct, uint32_t local_count) {
+    return make_resident_radiance(rows_as_clusters(distinct.rows), distinct.row_of, local_count);
+}
+
+/// The shorter of the forms that are allowed; `held` are its clusters, none of rows. No words: there are more rows than
+/// words can hold. Rows are made again where they turn out to be shorter, rather than kept during the search.
+std::vector<uint32_t> matrix_words(const DistinctRows& distinct, uint32_t local_count, MatrixForm form,
+                                   const BiclusterOptions& search, Biclusters& held) {
+    const size_t most = form == MatrixForm::kRows ? 0 : row_words(distinct, local_count).size();
+    if (most == 0) return row_words(distinct, local_count);
+    held = find_biclusters(distinct.rows, search);
+    std::vector<uint32_t> words = make_resident_radiance(held, distinct.row_of, local_count);
+    if (!words.empty() && words.size() < most) return words;
+    held = {};
+    return row_words(distinct, local_count);
+}
+
+Result<std::vector<uint32_t>> matrix_words(DistinctRows distinct, uint32_t local_count, const MatrixOptions& options,
+                                           MatrixLoss* loss) {
     // Clusters that grow from entries take the fewest sums and the shortest search, measured on city tiles.
-    const Biclusters found = find_biclusters(distinct.rows, {.seeding = Seeding::kEntry});
-    std::vector<uint32_t> clusters = make_resident_radiance(found, distinct.row_of, local_count);
-    return !clusters.empty() && clusters.size() < rows.size() ? clusters : rows;
+    BiclusterOptions search{.seeding = Seeding::kEntry};
+    Biclusters held;
+    MatrixLoss lost;
+    std::vector<uint32_t> words;
+    if (options.row_error > 0) {
+        const LossyRows rows = lossy_rows(distinct, local_count, options.row_error);
+        distinct = {};
+        search.column_weights = rows.bound.weights;
+        search.row_budgets = rows.budgets;
+        words = matrix_words(rows.near.distinct, local_count, options.form, search, held);
+        lost = loss_of(rows, held);
+    } else {
+        words = matrix_words(distinct, local_count, options.form, search, held);
+    }
+    if (words.empty()) return Error{"a radiance layer's matrix is larger than it can be"};
+    if (loss != nullptr) *loss = lost;
+    return words;
 }
 
 /// The rows of a prefix. No more entries than fit into so many words.
@@ -154,12 +212,13 @@ Result<DistinctRows> distinct_rows_of(const Prefix& prefix, const LocalDirection
     return rows.take();
 }
 
-Result<std::vector<uint32_t>> words_of(const Prefix& prefix, uint64_t decoded_bytes, MatrixForm form) {
+Result<std::vector<uint32_t>> words_of(const Prefix& prefix, uint64_t decoded_bytes, const MatrixOptions& options,
+                                       MatrixLoss* loss) {
     const LocalDirections local(prefix.local_side);
     const uint64_t most = decoded_bytes / sizeof(uint32_t);
-    const auto distinct = distinct_rows_of(prefix, local, most);
+    auto distinct = distinct_rows_of(prefix, local, most);
     if (!distinct) return distinct.error();
-    const auto matrix = matrix_words(*distinct, local.count(), form);
+    const auto matrix = matrix_words(std::move(*distinct), local.count(), options, loss);
     if (!matrix) return matrix.error();
     std::vector<uint32_t> words = prefix.table;
     words.resize(words.size() + IRRADIANCE_WORDS * prefix.tile.places.size(), 0);
@@ -205,7 +264,7 @@ uint32_t frame_of_place(const ReceiverPlace& place) {
 }
 
 Result<std::vector<RadianceLayerStep>> encode_radiance_layer(const RadianceTile& tile, uint32_t local_side,
-                                                             uint64_t bake_hash) {
+                                                             uint64_t bake_hash, double bits_error) {
     if (const Status good = check_tile(tile, local_side); !good) return good.error();
     if (const auto table = write_receiver_table(tile.places, tile.spacing_log2); !table) return table.error();
     const std::vector<std::byte> places = encode_places(tile.places, tile.spacing_log2);
@@ -225,7 +284,7 @@ Result<std::vector<RadianceLayerStep>> encode_radiance_layer(const RadianceTile&
         step.wire.insert(step.wire.end(), visibility.bytes.begin(), visibility.bytes.end());
         // A directory has no steps without bytes; the coder reads zeros behind its end anyway.
         if (step.wire.empty()) step.wire.push_back(std::byte{0});
-        step.error = visibility.error;
+        step.error = visibility.error + static_cast<float>(bits_error);
     }
     for (RadianceLayerStep& step : steps) {
         wires.emplace_back(step.wire);
@@ -245,6 +304,12 @@ Result<uint64_t> read_bake_hash(std::span<const std::byte> first_step) {
     return get_number(first_step, 0, kHashBytes);
 }
 
+Result<uint32_t> read_receiver_count(std::span<const std::byte> first_step, uint64_t decoded_bytes) {
+    const auto prefix = read_prefix({&first_step, 1}, decoded_bytes);
+    if (!prefix) return prefix.error();
+    return static_cast<uint32_t>(prefix->tile.places.size());
+}
+
 Result<RadianceTile> decode_radiance_tile(Steps steps, uint64_t decoded_bytes) {
     auto prefix = read_prefix(steps, decoded_bytes);
     if (!prefix) return prefix.error();
@@ -254,10 +319,11 @@ Result<RadianceTile> decode_radiance_tile(Steps steps, uint64_t decoded_bytes) {
     return std::move(prefix->tile);
 }
 
-Result<std::vector<uint32_t>> decode_radiance_layer(Steps steps, uint64_t decoded_bytes, MatrixForm form) {
+Result<std::vector<uint32_t>> decode_radiance_layer(Steps steps, uint64_t decoded_bytes, const MatrixOptions& options,
+                                                    MatrixLoss* loss) {
     auto prefix = read_prefix(steps, decoded_bytes);
     if (!prefix) return prefix.error();
-    return words_of(*prefix, decoded_bytes, form);
+    return words_of(*prefix, decoded_bytes, options, loss);
 }
 
 Result<RadianceLayerShape> radiance_layer_shape(std::span<const uint32_t> table_header, uint64_t words) {

@@ -40,6 +40,21 @@ enum class MatrixForm : uint8_t {
     kRows,        ///< distinct rows, each a cluster of its own
 };
 
+/// What a matrix may be.
+struct MatrixOptions {
+    MatrixOptions(MatrixForm of = MatrixForm::kBiclusters, double error = 0) : form(of), row_error(error) {}
+    MatrixForm form;
+    /// Relative radiance, 0..1: the part of what a local direction gets from an even sky, nothing standing around it,
+    /// by which each row may be too low under a sky nowhere brighter (near_rows.h has the bound for any light). Rows
+    /// are never too high. The greater, the fewer words; 0: exact.
+    double row_error;
+};
+/// What it has left out.
+struct MatrixLoss {
+    double row_error = 0;   ///< of the worst row: at most what the options allow
+    uint64_t quarters = 0;  ///< of distinct rows
+};
+
 struct RadianceLayerStep {
     std::vector<std::byte> wire;
     /// Of this step alone, so that a prefix's sum is at least what its words take, whatever the form of the matrix: a
@@ -51,14 +66,18 @@ struct RadianceLayerStep {
 };
 
 /// `local_side`: m of the local directions (local_directions.h), 1..kMostLocalSide. `bake_hash`: what the layer depends
-/// on (tiles/radiance/visibility_bake.h), kept in the first step. Deterministic. Error: what write_receiver_table
+/// on (tiles/radiance/visibility_bake.h), kept in the first step. `bits_error`: that the tile's bits have already
+/// (visibility_smoothing.h), which each step's error has more. Deterministic. Error: what write_receiver_table
 /// reports; depths beyond kMostDepth; frames that are not those of the places; more than 2^24 receivers times local
 /// directions. Takes as long as decoding each of the prefixes with kRows.
 Result<std::vector<RadianceLayerStep>> encode_radiance_layer(const RadianceTile& tile, uint32_t local_side,
-                                                             uint64_t bake_hash);
+                                                             uint64_t bake_hash, double bits_error = 0);
 
 /// Of a first step; any bytes are safe.
 Result<uint64_t> read_bake_hash(std::span<const std::byte> first_step);
+
+/// How many receivers a first step of so many decoded bytes tells of; any bytes are safe. O(receivers).
+Result<uint32_t> read_receiver_count(std::span<const std::byte> first_step, uint64_t decoded_bytes);
 
 /// What the first steps say. `decoded_bytes`: of the prefix, as the directory has them: there are no more receivers
 /// than have room in it, of which each takes 3 n^2 bytes of bits here. Any bytes are safe.
@@ -68,8 +87,10 @@ Result<RadianceTile> decode_radiance_tile(std::span<const std::span<const std::b
 /// safe. Deterministic. With 24,576 samples and 8 x 8 local directions 0.2 ms a receiver for rows; for biclusters 0.3
 /// ms in a tile along the axes, 0.55 ms in one whose buildings are all turned differently. Meanwhile it holds, besides
 /// the distinct rows, 36 n^2 bytes for each of up to 256 receivers and 64 n^2 for each of up to 256 frames.
+/// `loss`: filled where there is one.
 Result<std::vector<uint32_t>> decode_radiance_layer(std::span<const std::span<const std::byte>> steps,
-                                                    uint64_t decoded_bytes, MatrixForm form);
+                                                    uint64_t decoded_bytes, const MatrixOptions& options,
+                                                    MatrixLoss* loss = nullptr);
 
 /// Where the parts of a layer's words are.
 struct RadianceLayerShape {

@@ -11,6 +11,7 @@
 #define RECEIVER_WORD_ENTRIES 3 /* offset of the receivers */
 #define RECEIVER_WORD_CLASSES 4 /* of each of the classes RECEIVER_CLASS_* */
 #define RECEIVER_CLASSES 6      /* +x -x +y -y +z -z */
+#define RECEIVER_DOWNWARDS 5    /* -z: those that look down see the ground, and stand in for none that does not */
 
 #define RECEIVER_CLASS_FIRST_ROW 0 /* int32: j of its first row */
 #define RECEIVER_CLASS_ROWS 1
@@ -39,9 +40,12 @@
    greater than RECEIVER_COSINE_SQUARED: half a spacing and 30 degrees, with room for rounding. */
 #define RECEIVER_TOLERANCE 34.0
 #define RECEIVER_COSINE_SQUARED 0.75
-/* One that stands in for a surface too small for receivers: within a spacing, and not turned away by 107 degrees. */
+/* One that stands in for a surface too small for receivers: within a spacing, and not turned away by more than a right
+   angle. */
 #define RECEIVER_LOOSE_TOLERANCE 64.0
-#define RECEIVER_LOOSE_COSINE_SQUARED 0.09
+/* Of those that may stand in the one is taken that is least off in depth and turned away: with cosine c between the
+   normals, 1 - c |c| times so many units. */
+#define RECEIVER_TURNED 64.0
 /* A column with more receivers than this is searched by halving until so many are left. */
 #define RECEIVER_FEW 4
 

@@ -164,6 +164,16 @@ Result<uint32_t> check_row(std::span<const uint32_t> words, size_t at, uint32_t 
     return next_receiver + before;
 }
 
+/// Of a receiver, in the world's axes.
+std::array<float, 3> normal_of(uint32_t surface_class, uint32_t word) {
+    const auto [own, a, b] = axes_of(surface_class);
+    std::array<float, 3> normal{};
+    normal[own] = surface_class % 2 == 0 ? RECEIVER_TILT_ONE : -RECEIVER_TILT_ONE;
+    normal[a] = static_cast<int8_t>(word >> 16);
+    normal[b] = static_cast<int8_t>(word >> 24);
+    return normal;
+}
+
 }  // namespace
 
 Result<std::vector<uint32_t>> write_receiver_table(std::span<const ReceiverPlace> places, uint32_t spacing_log2) {
@@ -272,8 +282,17 @@ struct ReceiverTableView::Question {
         const float cosine = one * normal[0] + a * normal[1] + b * normal[2];
         const float lengths =
             (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) * (one * one + a * a + b * b);
-        if (loose) return cosine >= 0 || cosine * cosine < static_cast<float>(RECEIVER_LOOSE_COSINE_SQUARED) * lengths;
+        if (loose) return cosine >= 0;
         return cosine > 0 && cosine * cosine > static_cast<float>(RECEIVER_COSINE_SQUARED) * lengths;
+    }
+    /// What a receiver that is not turned as the surface is costs, in units of depth.
+    float turned(uint32_t word) const {
+        const float a = static_cast<int8_t>(word >> 16), b = static_cast<int8_t>(word >> 24);
+        const float one = surface_class % 2 == 0 ? RECEIVER_TILT_ONE : -RECEIVER_TILT_ONE;
+        const float cosine = one * normal[0] + a * normal[1] + b * normal[2];
+        const float lengths =
+            (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]) * (one * one + a * a + b * b);
+        return static_cast<float>(RECEIVER_TURNED) * (1 - cosine * std::abs(cosine) / lengths);
     }
     bool within_columns() const {
         constexpr float kMost = kMostColumn;
@@ -348,20 +367,24 @@ ReceiverShares ReceiverTableView::shares_of(const Question& question) const {
     return result;
 }
 
-ReceiverShares ReceiverTableView::stand_in(const std::array<float, 3>& point,
-                                           const std::array<float, 3>& normal) const {
+ReceiverShares ReceiverTableView::stand_in(const std::array<float, 3>& point, const std::array<float, 3>& normal,
+                                           uint32_t own_class) const {
     ReceiverShares result;
     result.own_surface = false;
     Choice nearest;
     for (uint32_t surface_class = 0; surface_class < RECEIVER_CLASSES; ++surface_class) {
         Question loose = question(surface_class, point, normal);
         loose.loose = true;
-        if (!loose.within_columns()) continue;
+        const bool looks_down = surface_class == RECEIVER_DOWNWARDS && own_class != RECEIVER_DOWNWARDS;
+        if (looks_down || !loose.within_columns()) continue;
         for (int32_t k = 0; k < 4; ++k) {
-            const Choice choice = best(loose, static_cast<int32_t>(std::floor(loose.place[0])) + k % 2,
-                                       static_cast<int32_t>(std::floor(loose.place[1])) + k / 2);
+            Choice choice = best(loose, static_cast<int32_t>(std::floor(loose.place[0])) + k % 2,
+                                 static_cast<int32_t>(std::floor(loose.place[1])) + k / 2);
             if (choice.receiver == kNone) continue;
-            if (nearest.receiver == kNone || choice.off < nearest.off) nearest = choice;
+            choice.off += loose.turned(entry(choice.receiver));
+            if (nearest.receiver != kNone && !(choice.off < nearest.off)) continue;
+            nearest = choice;
+            result.normal = normal_of(surface_class, entry(choice.receiver));
         }
     }
     if (nearest.receiver == kNone) return result;
@@ -379,7 +402,7 @@ ReceiverShares ReceiverTableView::shares(const std::array<float, 3>& point, cons
     own.slope = {-own.normal[1] / own.normal[0] * kUnits, -own.normal[2] / own.normal[0] * kUnits};
     own.depth -= own.slope[0] * own.place[0] + own.slope[1] * own.place[1];
     const ReceiverShares result = shares_of(own);
-    return result.count > 0 ? result : stand_in(point, normal);
+    return result.count > 0 ? result : stand_in(point, normal, own.surface_class);
 }
 
 }  // namespace citystream::codec::radiance

@@ -33,7 +33,10 @@ Result<std::vector<uint32_t>> write_receiver_table(std::span<const ReceiverPlace
 /// The receivers that light a point; weights add up to 1, or none is found.
 struct ReceiverShares {
     uint32_t count = 0;
-    bool own_surface = true;  ///< false: the point's surface has none here, another's nearest stands in
+    bool own_surface = true;  ///< false: the point's surface has none here, another's stands in
+    /// Of the receiver that stands in, any length. What part of the open sky's light on its own normal reaches it is
+    /// what reaches the point of the open sky's light on the point's normal.
+    std::array<float, 3> normal{};
     std::array<uint32_t, 4> receiver{};
     std::array<float, 4> weight{};
 };
@@ -67,7 +70,8 @@ class ReceiverTableView {
     /// The one that serves, of those of a column.
     Choice best(const Question& question, int32_t i, int32_t j) const;
     ReceiverShares shares_of(const Question& question) const;
-    ReceiverShares stand_in(const std::array<float, 3>& point, const std::array<float, 3>& normal) const;
+    ReceiverShares stand_in(const std::array<float, 3>& point, const std::array<float, 3>& normal,
+                            uint32_t own_class) const;
 
     std::span<const uint32_t> words_;
 };

@@ -98,4 +98,30 @@ double cell_solid_angle(uint32_t side, uint32_t cell) {
     return corner_area(x1, y1) - corner_area(x0, y1) - corner_area(x1, y0) + corner_area(x0, y0);
 }
 
+std::array<double, 3> cell_mean_direction(uint32_t side, uint32_t cell) {
+    const GridDirection centre = cell_direction(side, cell);
+    const auto toward_major = [&](size_t axis) { return std::abs(centre[axis]) == static_cast<int32_t>(side); };
+    const size_t major = toward_major(0) ? 0 : toward_major(1) ? 1 : 2;
+    const size_t s = (major + 1) % 3, t = (major + 2) % 3;
+    std::array<std::array<double, 3>, 4> corners{};
+    for (size_t i = 0; i < 4; ++i) {
+        auto& corner = corners[i];
+        for (size_t k = 0; k < 3; ++k) corner[k] = centre[k];
+        corner[s] += i == 1 || i == 2 ? 1 : -1;
+        corner[t] += i >= 2 ? 1 : -1;
+    }
+    std::array<double, 3> sum{};
+    for (size_t i = 0; i < 4; ++i) {
+        const auto &a = corners[i], &b = corners[(i + 1) % 4];
+        const std::array<double, 3> normal = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                                              a[0] * b[1] - a[1] * b[0]};
+        const double sine = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+        const double angle = std::atan2(sine, a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
+        for (size_t k = 0; k < 3; ++k) sum[k] += angle / (2 * sine) * normal[k];
+    }
+    // Counter-clockwise along the axis is clockwise against it.
+    const double factor = (centre[major] > 0 ? 1 : -1) / cell_solid_angle(side, cell);
+    return {factor * sum[0], factor * sum[1], factor * sum[2]};
+}
+
 }  // namespace citystream::codec::radiance

@@ -31,6 +31,13 @@ constexpr uint32_t cube_cells(uint32_t side) {
 constexpr uint32_t texel_count(uint32_t texels_across) {
     return cube_cells(texels_across);
 }
+/// The cube that has so many texels; 0: none has.
+constexpr uint32_t texels_across_of(uint64_t texels) {
+    for (uint32_t side = 1; side <= kMostCubeSide; ++side) {
+        if (texel_count(side) == texels) return side;
+    }
+    return 0;
+}
 constexpr uint32_t sample_count(uint32_t texels_across) {
     return cube_cells(kSamplesAcross * texels_across);
 }
@@ -59,5 +66,10 @@ uint32_t texel_of_sample(uint32_t texels_across, uint32_t sample);
 /// Steradians: A(x1, y1) - A(x0, y1) - A(x1, y0) + A(x0, y0) with A(x, y) = atan2(xy, sqrt(x^2 + y^2 + 1)). All cells
 /// add up to 4 pi.
 double cell_solid_angle(uint32_t side, uint32_t cell);
+
+/// Mean of the unit vectors to all points of a cell, a little shorter than they are: the vector irradiance of even
+/// light over the cell, divided by its solid angle. Exact: half the sum over the cell's edges of the angle each spans
+/// times the unit normal of its plane (Lambert 1760, as Arvo 1994 has it for polygons).
+std::array<double, 3> cell_mean_direction(uint32_t side, uint32_t cell);
 
 }  // namespace citystream::codec::radiance

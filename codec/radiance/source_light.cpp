@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "codec/radiance/frames.h"
+#include "codec/radiance/radiance_layer_layout.h"
 
 namespace citystream::codec::radiance {
 
@@ -66,6 +67,28 @@ WholeLight whole_light(std::span<const Rgb> weighted) {
             light.values[k][c] = static_cast<uint32_t>(std::floor(weighted[k][c] / light.unit[c] + 0.5));
     }
     return light;
+}
+
+std::vector<std::array<double, 3>> texel_directions(uint32_t texels_across) {
+    std::vector<std::array<double, 3>> directions(texel_count(texels_across));
+    for (uint32_t k = 0; k < directions.size(); ++k) directions[k] = cell_mean_direction(texels_across, k);
+    return directions;
+}
+
+LightVectors light_vectors(const WholeLight& light, std::span<const std::array<double, 3>> directions) {
+    assert(directions.size() == light.values.size());
+    LightVectors vectors;
+    for (size_t axis = 0; axis < vectors.size(); ++axis) {
+        vectors[axis].resize(light.values.size());
+        for (size_t k = 0; k < light.values.size(); ++k) {
+            for (size_t c = 0; c < 3; ++c) {
+                const double value =
+                    std::floor(light.values[k][c] * directions[k][axis] / (1 << LIGHT_VECTOR_SHIFT) + 0.5);
+                vectors[axis][k][c] = static_cast<uint32_t>(static_cast<int64_t>(value));
+            }
+        }
+    }
+    return vectors;
 }
 
 }  // namespace citystream::codec::radiance

@@ -35,4 +35,14 @@ struct WholeLight {
 /// a row is at most half a unit a texel it sees. Takes weighted light.
 WholeLight whole_light(std::span<const Rgb> weighted);
 
+/// Light as a vector: x, y and z of each texel's direction times its light, two's complement, in two of the light's
+/// units (radiance_layer_layout.h, LIGHT_VECTOR_SHIFT). Multiplied with the matrix each is a light of its own; the sum
+/// of a receiver's rows is then its vector irradiance, of which the part along the normal is what arrives at the
+/// surface. Sums stay below 2^30, so that their signs are what they seem also where a matrix errs by as much again.
+using LightVectors = std::array<std::vector<std::array<uint32_t, 3>>, 3>;
+/// cell_mean_direction of each texel. About 1 ms for 32 texels on a side.
+std::vector<std::array<double, 3>> texel_directions(uint32_t texels_across);
+/// Rounded: at most half of such a unit off. directions.size() == light.values.size().
+LightVectors light_vectors(const WholeLight& light, std::span<const std::array<double, 3>> directions);
+
 }  // namespace citystream::codec::radiance

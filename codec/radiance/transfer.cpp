@@ -369,6 +369,12 @@ void DistinctRowMaker::add(uint32_t frame, uint32_t frame_code, std::span<const 
     for (uint32_t local = 0; local < local_.count(); ++local) add_row(local);
 }
 
+DistinctRows DistinctRowMaker::take() {
+    distinct_.rows.column.shrink_to_fit();
+    distinct_.rows.quarters.shrink_to_fit();
+    return std::move(distinct_);
+}
+
 DistinctRows distinct_rows(const Transfer& transfer) {
     DistinctRows distinct{{transfer.columns, {0}, {}, {}}, {}};
     std::unordered_multimap<size_t, uint32_t> places;

@@ -67,7 +67,8 @@ class DistinctRowMaker {
     void add(uint32_t frame, uint32_t frame_code, std::span<const uint32_t> bits);
     /// Of the distinct rows so far.
     uint64_t nonzeros() const { return distinct_.rows.nonzeros(); }
-    DistinctRows take() { return std::move(distinct_); }
+    /// Without room to grow.
+    DistinctRows take();
 
   private:
     struct FrameTable;

@@ -4,11 +4,14 @@
 
 #include <cmath>
 #include <filesystem>
+#include <map>
+#include <optional>
 #include <sstream>
 
 #include "tests/bench/bench_program.h"
 #include "tests/bench/number_option.h"
 #include "tests/bench/radiance_forms.h"
+#include "tests/bench/radiance_pictures.h"
 #include "tests/bench/radiance_quality.h"
 #include "tests/bench/radiance_samples.h"
 
@@ -43,12 +46,15 @@ constexpr const char* kClaim =
     "--table paper: spheres beside Tables 1 and 2 of Sun et al. 2011; directions: its test of direction resolution; "
     "quality: irradiance\n"
     "at the receivers by the layer and by approximations, bytes (16-bit floats, zstd -19) and errors under several "
-    "skies.";
+    "skies; with\n"
+    "--pictures also of a tile's picture under the area light, against 24,576 sample directions from each pixel's "
+    "place.";
 
 struct Options {
     SampleOptions sample;
     FormOptions form;
     std::string table;
+    std::string pictures;   ///< folder; empty: none are made
     uint32_t vertices = 0;  ///< 0: not said
 };
 
@@ -72,15 +78,18 @@ double precompute_seconds(const RadianceSet& set, const TransferFigures& transfe
     return set.bake_seconds() + matrix + form.search_seconds;
 }
 
+double flop_ratio(const FormFigures& form, const TransferFigures& transfer) {
+    return static_cast<double>(form.flops) / (2 * static_cast<double>(transfer.nonzeros));
+}
+
 Json json_of(const RadianceSet& set, const Options& options, const TransferFigures& transfer, const FormFigures& form) {
     const auto receivers = static_cast<double>(transfer.receivers);
-    const double ratio = static_cast<double>(form.flops) / (2 * static_cast<double>(transfer.nonzeros));
     return {{"file", set.name},
             {"representation", form.name},
             {"receivers", transfer.receivers},
             {"directions", codec::radiance::texel_count(options.sample.texels_across)},
             {"nnz", transfer.nonzeros},
-            {"flop_ratio", rounded(ratio)},
+            {"flop_ratio", rounded(flop_ratio(form, transfer))},
             {"resident_bytes", form.resident_bytes},
             {"wire_bytes", form.wire_bytes},
             {"precompute_s", rounded(precompute_seconds(set, transfer, form))},
@@ -158,40 +167,69 @@ constexpr std::array<PaperModel, 3> kPaperModels = {{{"Bunny", 3286, 10.6, 27.4,
                                                      {"Bunny 12k", 12380, 39.2, 27.0, 84.1, 49, 22.3},
                                                      {"Bunny 48k", 47960, 151.3, 26.7, 316.9, 279, 63.4}}};
 
-void print_paper_row(const RadianceSet& set, const PaperModel& paper, const Options& options, BenchProgram& program) {
+/// Biclusters of one shape with more and more vertices.
+class VertexScaling {
+  public:
+    void add(const std::string& shape, const FormFigures& form, const TransferFigures& transfer) {
+        if (form.name != "bicluster") return;
+        costs_[shape].ratios.push_back(flop_ratio(form, transfer));
+        costs_[shape].bytes.push_back(static_cast<double>(form.resident_bytes) /
+                                      static_cast<double>(transfer.receivers));
+    }
+    /// Work and bytes a vertex differ by less than 15 %; an open sphere's work is below the prototype's.
+    void check(BenchProgram& program) const {
+        for (const auto& [shape, cost] : costs_) {
+            for (const auto* values : {&cost.ratios, &cost.bytes}) {
+                const Spread spread = spread_of(*values);
+                program.check(spread.max < 1.15 * spread.min, shape + ": costs a vertex grow evenly");
+            }
+            program.check(shape != "sphere" || spread_of(cost.ratios).max <= 0.29, shape + ": 29 % of the operations");
+        }
+    }
+
+  private:
+    struct Costs {
+        std::vector<double> ratios, bytes;
+    };
+    std::map<std::string, Costs> costs_;
+};
+
+void print_paper_row(const RadianceSet& set, const PaperModel& paper, const Options& options, VertexScaling& scaling,
+                     BenchProgram& program) {
     if (!check_set(set, options, program)) return;
     const TransferFigures transfer = measure_forms(set.samples, options.form);
     const auto receivers = static_cast<double>(transfer.receivers);
     for (const FormFigures& form : transfer.forms) {
         const double bytes = static_cast<double>(form.resident_bytes);
         const double minutes = precompute_seconds(set, transfer, form) / 60;
-        program.print(
-            {{"table", "paper"},
-             {"paper_model", paper.name},
-             {"file", set.name},
-             {"representation", form.name},
-             {"vertices", transfer.receivers},
-             {"paper_vertices", paper.vertices},
-             {"nnz_millions", rounded(static_cast<double>(transfer.nonzeros) / 1e6)},
-             {"paper_nnz_millions", paper.nnz_millions},
-             {"flop_percent", rounded(50 * static_cast<double>(form.flops) / static_cast<double>(transfer.nonzeros))},
-             {"paper_flop_percent", paper.flop_percent},
-             {"megabytes", rounded(bytes / 1e6)},
-             {"paper_megabytes", paper.megabytes},
-             {"bytes_per_vertex", rounded(bytes / receivers)},
-             {"paper_bytes_per_vertex", rounded(1e6 * paper.megabytes / paper.vertices)},
-             {"wire_bytes_per_vertex", rounded(static_cast<double>(form.wire_bytes) / receivers)},
-             {"precompute_minutes", rounded(minutes)},
-             {"paper_precompute_minutes", paper.precompute_minutes},
-             {"paper_over_our_minutes", rounded(paper.precompute_minutes / minutes)},
-             {"transfer_cpu_ms", rounded(1e3 * form.transfer_seconds)},
-             {"paper_transfer_gpu_ms", paper.transfer_ms}});
+        program.print({{"table", "paper"},
+                       {"paper_model", paper.name},
+                       {"file", set.name},
+                       {"representation", form.name},
+                       {"vertices", transfer.receivers},
+                       {"paper_vertices", paper.vertices},
+                       {"nnz_millions", rounded(static_cast<double>(transfer.nonzeros) / 1e6)},
+                       {"paper_nnz_millions", paper.nnz_millions},
+                       {"flop_percent", rounded(100 * flop_ratio(form, transfer))},
+                       {"paper_flop_percent", paper.flop_percent},
+                       {"megabytes", rounded(bytes / 1e6)},
+                       {"paper_megabytes", paper.megabytes},
+                       {"bytes_per_vertex", rounded(bytes / receivers)},
+                       {"paper_bytes_per_vertex", rounded(1e6 * paper.megabytes / paper.vertices)},
+                       {"wire_bytes_per_vertex", rounded(static_cast<double>(form.wire_bytes) / receivers)},
+                       {"precompute_minutes", rounded(minutes)},
+                       {"paper_precompute_minutes", paper.precompute_minutes},
+                       {"paper_over_our_minutes", rounded(paper.precompute_minutes / minutes)},
+                       {"transfer_cpu_ms", rounded(1e3 * form.transfer_seconds)},
+                       {"paper_transfer_gpu_ms", paper.transfer_ms}});
         check_form(set, form, program);
+        scaling.add(set.name, form, transfer);
     }
 }
 
 void print_paper_table(Options options, BenchProgram& program) {
     if (options.form.forms.size() == kFormNames.size()) options.form.forms = {"bicluster", "bits", "default"};
+    VertexScaling scaling;
     for (const PaperModel& paper : kPaperModels) {
         if (paper.vertices > options.sample.most_receivers) {
             program.print_skipped(fmt::format("{}: {} vertices, --vertices allows {}", paper.name, paper.vertices,
@@ -199,13 +237,14 @@ void print_paper_table(Options options, BenchProgram& program) {
             continue;
         }
         print_paper_row({"sphere", {open_sphere(paper.vertices, options.sample.texels_across)}}, paper, options,
-                        program);
-        const Measure measure = [&paper](const RadianceSet& set, const Options& o, BenchProgram& p) {
-            print_paper_row(set, paper, o, p);
+                        scaling, program);
+        const Measure measure = [&](const RadianceSet& set, const Options& o, BenchProgram& p) {
+            print_paper_row(set, paper, o, scaling, p);
         };
         measure_sample("bumpy-sphere", bake_vertices(bumpy_sphere(paper.vertices), options.sample), options, measure,
                        program);
     }
+    scaling.check(program);
 }
 
 /// The paper's figures of its test of direction resolution: megabytes and minutes.
@@ -249,11 +288,72 @@ void print_directions(const RadianceSet& set, const Options& given, BenchProgram
     }
 }
 
+constexpr uint32_t kPictureWidth = 480, kPictureHeight = 270;
+
+/// Pictures of a set's first tile, and how far they are off: by representation.
+class QualityPictures {
+  public:
+    QualityPictures(const RadianceSet& set, const Options& options, BenchProgram& program)
+        : prefix_(options.pictures + "/" + set.name), program_(program) {
+        if (options.pictures.empty() || set.samples.front().places.empty()) return;
+        std::filesystem::create_directories(options.pictures);
+        auto picture = TilePicture::create(set.samples.front(), kPictureWidth, kPictureHeight);
+        if (!program.check(picture.ok(), picture.ok() ? "" : set.name + ": " + picture.error().text())) return;
+        picture->cast_rays(area_light(options.sample.texels_across));
+        picture_ = std::move(*picture);
+        keep_picture(picture_->by_rays(), "rays");
+    }
+
+    AreaLightListener listener() {
+        if (!picture_) return {};
+        return [this](const QualityLine& line, std::span<const client::LightSum> irradiance) {
+            const PixelLight light = picture_->between_receivers(irradiance);
+            differences_[line.representation] = picture_->difference(light);
+            keep_picture(light, fmt::format("{}_{}_bytes", line.representation, line.bytes));
+        };
+    }
+
+    void add_fields(const QualityLine& line, Json& fields) const {
+        const auto found = differences_.find(line.representation);
+        if (found == differences_.end()) return;
+        fields["picture_rmse"] = rounded(found->second.rmse);
+        fields["picture_psnr_db"] = rounded(found->second.psnr_db);
+    }
+
+    /// Those of the paper, and whatever takes as many bytes as the layer, are further from the truth.
+    void check_ranks(std::span<const QualityLine> lines) {
+        const auto layer = differences_.find("layer-3");
+        if (layer == differences_.end()) return;
+        for (const QualityLine& line : lines) {
+            const std::string& name = line.representation;
+            const bool is_paper = name == "sh-25" || name == "haar-12" || name == "cpca-32x8";
+            const bool is_other = name != "bits" && !name.starts_with("layer") && !name.starts_with("bicluster");
+            if (!is_paper && !(is_other && line.beside == "equal bytes")) continue;
+            program_.check(differences_[name].rmse > layer->second.rmse,
+                           prefix_ + ": the layer's picture is nearer to the truth than that of " + name);
+        }
+    }
+
+  private:
+    void keep_picture(const PixelLight& light, const std::string& name) {
+        const Status written = picture_->write_png(light, prefix_ + "_" + name + ".png");
+        program_.check(written.ok(), written.ok() ? "" : written.error().text());
+    }
+
+    std::string prefix_;
+    BenchProgram& program_;
+    std::optional<TilePicture> picture_;
+    std::map<std::string, TilePicture::Difference> differences_;
+};
+
 void print_quality(const RadianceSet& set, const Options& options, BenchProgram& program) {
     if (!check_set(set, options, program)) return;
     const auto skies = quality_skies(options.sample.texels_across);
     if (!program.check(skies.ok(), skies.ok() ? "" : skies.error().text())) return;
-    for (const QualityLine& line : measure_quality(set, *skies, options.form.local_side)) {
+    QualityPictures pictures(set, options, program);
+    const auto lines = measure_quality(set, *skies, options.form.local_side, pictures.listener());
+    pictures.check_ranks(lines);
+    for (const QualityLine& line : lines) {
         Json fields{
             {"table", "quality"},
             {"file", set.name},
@@ -261,6 +361,7 @@ void print_quality(const RadianceSet& set, const Options& options, BenchProgram&
             {"bytes", line.bytes},
             {"bytes_per_receiver", rounded(static_cast<double>(line.bytes) / static_cast<double>(set.receivers()))}};
         for (const auto& [sky, error] : line.errors) fields["rmse_" + sky] = rounded(error);
+        pictures.add_fields(line, fields);
         if (!line.beside.empty()) fields["compared"] = line.beside;
         program.print(fields);
         program.check(std::isfinite(line.worst_error()), set.name + ": " + line.representation + " is finite");
@@ -309,9 +410,15 @@ std::vector<BenchOption> options_of(Options& options) {
              [&](const std::string& text) { return take_seeding(text, form.seeding); }},
             {"--representations", "names with commas between them (default all)",
              [&](const std::string& text) { return take_forms(text, form.forms); }},
-            {"--table", "paper, directions or quality", [&](const std::string& text) {
+            {"--table", "paper, directions or quality",
+             [&](const std::string& text) {
                  options.table = text;
                  return text == "paper" || text == "directions" || text == "quality";
+             }},
+            {"--pictures", "folder for pictures of --table quality: a tile by each approximation, and by rays",
+             [&](const std::string& text) {
+                 options.pictures = text;
+                 return !text.empty();
              }}};
 }
 

@@ -13,6 +13,7 @@
 #include "client/light/sky_model.h"
 #include "client/light/spherical_harmonics.h"
 #include "client/light/sun_position.h"
+#include "client/reference/sky_reference.h"
 #include "client/render/frame_file.h"
 #include "client/render/tone.h"
 #include "client/report/image_metrics.h"
@@ -22,7 +23,6 @@
 #include "tests/bench/city_heights.h"
 #include "tests/bench/number_option.h"
 #include "tests/bench/sample_city.h"
-#include "tests/bench/sky_reference.h"
 
 namespace {
 
@@ -31,6 +31,9 @@ using namespace citystream::bench;
 using client::Camera;
 using client::EnvironmentMap;
 using client::FrameImage;
+using client::RadiancePicture;
+using client::ReferenceTriangle;
+using client::SkyReference;
 using tiles::tileset::Layer;
 
 constexpr const char* kClaim =
@@ -268,7 +271,7 @@ class Pictures {
         if (options_.relief) {
             const auto scene = client::load_glb(city_.glb);
             if (!scene) return scene.error();
-            return SkyReference::create(reference_triangles(*scene, albedo), scene->origin);
+            return SkyReference::create(*scene, albedo);
         }
         const auto city = open_city(city_.mesh);
         if (!city) return city.error();

@@ -209,27 +209,29 @@ IrradianceModel clustered_components(const RadianceSample& sample, uint32_t loca
     const uint64_t bytes =
         coded_bytes(numbers) + coded_bytes(weights) + coded_bytes(basis) + coded_bytes(distinct.row_of);
 
+    const RowProduct product = [vectors, numbers, weights, basis, width = found.width(),
+                                row_of = distinct.row_of](std::span<const std::array<double, 3>> texels) {
+        std::vector<std::array<double, 3>> light(width);
+        for (size_t k = 0; k < texels.size(); ++k) {
+            for (uint32_t b = 0; b < width; ++b) {
+                const double value = from_half(basis[k * width + b]);
+                for (size_t c = 0; c < 3; ++c) light[b][c] += value * texels[k][c];
+            }
+        }
+        std::vector<std::array<double, 3>> rows(numbers.size());
+        for (size_t j = 0; j < rows.size(); ++j) {
+            const size_t first = size_t{numbers[j]} * (vectors + 1);
+            rows[j] = light[first];
+            for (uint32_t v = 0; v < vectors; ++v) {
+                const double weight = from_half(weights[v * rows.size() + j]);
+                for (size_t c = 0; c < 3; ++c) rows[j][c] += weight * light[first + 1 + v][c];
+            }
+        }
+        return spread_rows<double>(row_of, rows);
+    };
     return {"cpca-" + std::to_string(clusters) + "x" + std::to_string(vectors), bytes,
-            [side, vectors, numbers, weights, basis, width = found.width(), row_of = distinct.row_of,
-             cosines = cell_averages(local).cosine](std::span<const Rgb> radiance) {
-                const std::vector<Rgb> weighted = weighted_light(radiance, side);
-                std::vector<std::array<double, 3>> light(width);
-                for (size_t k = 0; k < weighted.size(); ++k) {
-                    for (uint32_t b = 0; b < width; ++b) {
-                        const double value = from_half(basis[k * width + b]);
-                        for (size_t c = 0; c < 3; ++c) light[b][c] += value * weighted[k][c];
-                    }
-                }
-                std::vector<std::array<double, 3>> rows(numbers.size());
-                for (size_t j = 0; j < rows.size(); ++j) {
-                    const size_t first = size_t{numbers[j]} * (vectors + 1);
-                    rows[j] = light[first];
-                    for (uint32_t v = 0; v < vectors; ++v) {
-                        const double weight = from_half(weights[v * rows.size() + j]);
-                        for (size_t c = 0; c < 3; ++c) rows[j][c] += weight * light[first + 1 + v][c];
-                    }
-                }
-                return irradiance_of_rows(cosines, spread_rows<double>(row_of, rows));
+            [side, product, normals = receiver_normals(sample.visibility)](std::span<const Rgb> radiance) {
+                return irradiance_by_vectors(normals, radiance, side, product);
             }};
 }
 

@@ -85,24 +85,25 @@ IrradianceModel haar_rows(const RadianceSample& sample, uint32_t local_side, uin
     const DistinctRows distinct = distinct_rows(make_transfer(sample.visibility, local));
     const Terms kept = greatest_terms(distinct.rows, side, terms);
     const uint64_t bytes = coded_bytes(kept.number) + coded_bytes(kept.half) + coded_bytes(distinct.row_of);
-    return {
-        "haar-" + std::to_string(terms), bytes,
-        [side, kept, row_of = distinct.row_of, cosines = cell_averages(local).cosine](std::span<const Rgb> radiance) {
-            const std::vector<Rgb> weighted = weighted_light(radiance, side);
-            std::array<std::vector<float>, 3> light;
-            for (size_t c = 0; c < 3; ++c) {
-                for (const Rgb& value : weighted) light[c].push_back(value[c]);
-                transform(light[c], side);
+    const RowProduct product = [side, kept, row_of = distinct.row_of](std::span<const std::array<double, 3>> texels) {
+        std::array<std::vector<float>, 3> light;
+        for (size_t c = 0; c < 3; ++c) {
+            for (const auto& value : texels) light[c].push_back(static_cast<float>(value[c]));
+            transform(light[c], side);
+        }
+        std::vector<std::array<double, 3>> rows(kept.row_begin.size() - 1);
+        for (size_t j = 0; j < rows.size(); ++j) {
+            for (uint32_t i = kept.row_begin[j]; i < kept.row_begin[j + 1]; ++i) {
+                const double value = from_half(kept.half[i]);
+                for (size_t c = 0; c < 3; ++c) rows[j][c] += value * light[c][kept.number[i]];
             }
-            std::vector<std::array<double, 3>> rows(kept.row_begin.size() - 1);
-            for (size_t j = 0; j < rows.size(); ++j) {
-                for (uint32_t i = kept.row_begin[j]; i < kept.row_begin[j + 1]; ++i) {
-                    const double value = from_half(kept.half[i]);
-                    for (size_t c = 0; c < 3; ++c) rows[j][c] += value * light[c][kept.number[i]];
-                }
-            }
-            return irradiance_of_rows(cosines, spread_rows<double>(row_of, rows));
-        }};
+        }
+        return spread_rows<double>(row_of, rows);
+    };
+    return {"haar-" + std::to_string(terms), bytes,
+            [side, product, normals = receiver_normals(sample.visibility)](std::span<const Rgb> radiance) {
+                return irradiance_by_vectors(normals, radiance, side, product);
+            }};
 }
 
 }  // namespace citystream::bench

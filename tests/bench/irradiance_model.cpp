@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "codec/radiance/transfer_product.h"
+#include "codec/radiance/source_light.h"
 
 namespace citystream::bench {
 
@@ -35,13 +35,25 @@ std::vector<Direction> receiver_normals(const codec::radiance::VisibilityTile& t
     return normals;
 }
 
-std::vector<LightSum> irradiance_of_rows(std::span<const double> cosines,
-                                         std::span<const std::array<double, 3>> row_light) {
-    std::vector<LightSum> result(row_light.size() / cosines.size());
-    for (size_t r = 0; r < result.size(); ++r) {
-        for (size_t j = 0; j < cosines.size(); ++j) {
-            for (size_t c = 0; c < 3; ++c) result[r][c] += cosines[j] * row_light[r * cosines.size() + j][c];
+std::vector<LightSum> irradiance_by_vectors(std::span<const Direction> normals, std::span<const Rgb> radiance,
+                                            uint32_t texels_across, const RowProduct& product) {
+    const std::vector<Rgb> weighted = codec::radiance::weighted_light(radiance, texels_across);
+    const auto directions = codec::radiance::texel_directions(texels_across);
+    std::vector<LightSum> result(normals.size());
+    std::vector<std::array<double, 3>> light(weighted.size());
+    for (size_t axis = 0; axis < 3; ++axis) {
+        for (size_t k = 0; k < light.size(); ++k) {
+            for (size_t c = 0; c < 3; ++c) light[k][c] = weighted[k][c] * directions[k][axis];
         }
+        const auto rows = product(light);
+        const size_t rows_a_receiver = rows.size() / normals.size();
+        for (size_t j = 0; j < rows.size(); ++j) {
+            for (size_t c = 0; c < 3; ++c)
+                result[j / rows_a_receiver][c] += normals[j / rows_a_receiver][axis] * rows[j][c];
+        }
+    }
+    for (LightSum& sum : result) {
+        for (double& channel : sum) channel = std::max(0.0, channel);
     }
     return result;
 }

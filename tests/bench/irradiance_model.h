@@ -33,10 +33,14 @@ struct SampleDirections {
 /// As their frames have them: unit vectors.
 std::vector<client::Direction> receiver_normals(const codec::radiance::VisibilityTile& tile);
 
-/// What rows of T become with the weights that fold local directions to irradiance (cell_averages): `row_light` has
-/// three channels for each row, radiance times solid angle.
-std::vector<client::LightSum> irradiance_of_rows(std::span<const double> cosines,
-                                                 std::span<const std::array<double, 3>> row_light);
+/// Three channels for each row of T: the product with a value for each texel.
+using RowProduct = std::function<std::vector<std::array<double, 3>>(std::span<const std::array<double, 3>> light)>;
+/// What a transfer matrix, or what stands for one, makes of light as the layer's passes do
+/// (codec/radiance/irradiance.h), in double: products with light as a vector, summed over each receiver's rows, along
+/// its normal. Rows are texels' parts, not quarters.
+std::vector<client::LightSum> irradiance_by_vectors(std::span<const client::Direction> normals,
+                                                    std::span<const codec::radiance::Rgb> radiance,
+                                                    uint32_t texels_across, const RowProduct& product);
 
 /// Added up from the bits, sample by sample: cosine and solid angle of each sample, radiance of its texel. What
 /// approximations are measured against. Borrows the sample.

@@ -136,12 +136,20 @@ std::vector<std::string> models_below(const std::string& path) {
     return models;
 }
 
+/// Terrain has surfaces of this kind, too.
+bool is_floor(const city::CityObject& object, const city::Triangle& triangle) {
+    return object.kind == city::ObjectKind::kBuilding && triangle.surface == city::SurfaceKind::kGround;
+}
+
 city::CitySink collector_of(SourceMesh& mesh) {
     return [&mesh](city::CityObject&& object) {
+        using Kind = city::ObjectKind;
+        constexpr Kind kGroundKinds[] = {Kind::kTerrain, Kind::kLandUse, Kind::kRoad, Kind::kWater};
+        mesh.has_ground |= std::ranges::find(kGroundKinds, object.kind) != std::end(kGroundKinds);
         const auto first = static_cast<uint32_t>(mesh.points.size());
         for (const auto& v : object.vertices) mesh.points.push_back({v.x, v.y, v.z});
         for (const auto& t : object.triangles) {
-            if (t.surface == city::SurfaceKind::kGround) continue;
+            if (is_floor(object, t)) continue;
             mesh.triangles.push_back({first + t.vertex[0], first + t.vertex[1], first + t.vertex[2]});
         }
         return true;

@@ -14,7 +14,8 @@ namespace citystream::bench {
 struct SourceMesh {
     std::vector<std::array<double, 3>> points;  ///< metres, or the file's unit
     std::vector<std::array<uint32_t, 3>> triangles;
-    uint64_t buildings = 0;  ///< 0 in files that know none
+    uint64_t buildings = 0;   ///< 0 in files that know none
+    bool has_ground = false;  ///< terrain, land use, roads or water
 };
 
 /// What is in `path`: OBJ, PLY or STL (by name, also with .xz after it), else a city model (every format that read_city

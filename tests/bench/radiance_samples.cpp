@@ -22,7 +22,7 @@ using codec::radiance::VisibilityTile;
 using Vector = std::array<double, 3>;
 
 constexpr uint32_t kMeshBits = 16;
-constexpr int64_t kTileSide = int64_t{128} << kGridBits, kBaseStep = int64_t{64} << kGridBits;
+constexpr int64_t kTileSide = kTileMetres << kGridBits, kBaseStep = int64_t{64} << kGridBits;
 using TileNumber = std::array<int64_t, 2>;
 
 Vector normal_of(const Receiver& receiver) {
@@ -52,15 +52,19 @@ GridPoint base_of(const TileNumber& tile, std::span<const SurfaceTriangle> own) 
     return {tile[0] * kTileSide, tile[1] * kTileSide, steps * kBaseStep};
 }
 
-Result<RadianceSample> bake(const BakeInput& input, const TileNumber& number, const SampleOptions& options) {
-    Result<BakedTile> tile = Error{"not baked"};
-    const double seconds = seconds_of([&] { tile = bake_tile(input, bake_options(options)); });
-    if (!tile) return tile.error();
+Result<RadianceSample> bake(TileSurroundings&& tile, const TileNumber& number, const SampleOptions& options) {
+    Result<BakedTile> baked = Error{"not baked"};
+    const double seconds = seconds_of([&] {
+        baked = bake_tile({tile.own, tile.around, tile.heights.get()}, bake_options(options));
+    });
+    if (!baked) return baked.error();
+    tile.base = base_of(number, tile.own);
     const int64_t spacing = to_grid(options.lattice_metres);
-    const auto places = places_of(tile->receivers, base_of(number, input.own), spacing);
-    RadianceSample sample = sample_of(std::move(*tile), seconds);
+    const auto places = places_of(baked->receivers, tile.base, spacing);
+    RadianceSample sample = sample_of(std::move(*baked), seconds);
     sample.spacing_log2 = static_cast<uint32_t>(std::countr_zero(static_cast<uint64_t>(spacing)));
     sample.places = places;
+    sample.surroundings = std::move(tile);
     return sample;
 }
 
@@ -168,6 +172,15 @@ class CityTiles {
         return chosen;
     }
 
+    /// Under all of it at its lowest point, as the builder has it.
+    void add_flat_ground() {
+        const int64_t z = low_.z;
+        test::Surface ground;
+        test::add_quad(
+            ground, {GridPoint{low_.x, low_.y, z}, {high_.x, low_.y, z}, {high_.x, high_.y, z}, {low_.x, high_.y, z}});
+        for (const SurfaceTriangle& triangle : ground) add(triangle);
+    }
+
     std::vector<SurfaceTriangle> parts(const TileNumber& tile) const {
         std::vector<SurfaceTriangle> parts;
         const auto found = tiles_.find(tile);
@@ -254,21 +267,47 @@ Result<RadianceSample> bake_vertices(const SourceMesh& mesh, const SampleOptions
 }
 
 Result<std::vector<RadianceSample>> bake_city_tiles(const SourceMesh& city, const SampleOptions& options) {
-    const CityTiles tiles(city);
-    const HeightGrid heights = tiles.heights();
+    CityTiles tiles(city);
+    const std::vector<TileNumber> chosen = tiles.choose(options.tiles);
+    if (!city.has_ground) tiles.add_flat_ground();
+    const auto heights = std::make_shared<const HeightGrid>(tiles.heights());
     std::vector<RadianceSample> samples;
-    for (const TileNumber& tile : tiles.choose(options.tiles)) {
-        const auto own = tiles.parts(tile), around = tiles.parts_around(tile);
-        auto sample = bake({own, around, &heights}, tile, options);
+    for (const TileNumber& tile : chosen) {
+        auto sample = bake({{}, tiles.parts(tile), tiles.parts_around(tile), heights}, tile, options);
         if (!sample) return sample.error();
         if (sample->visibility.receivers() > 0) samples.push_back(std::move(*sample));
     }
     return samples;
 }
 
-Result<RadianceSample> bake_box_city(bool turned, const SampleOptions& options) {
-    const auto own = test::city_tile(0, 0, turned), around = test::tiles_around(0, 0, turned);
-    return bake({own, around, nullptr}, {0, 0}, options);
+Result<RadianceSample> bake_box_city(bool turned, const SampleOptions& options, const TileNumber& tile) {
+    return bake({{}, test::city_tile(tile[0], tile[1], turned), test::tiles_around(tile[0], tile[1], turned), nullptr},
+                tile, options);
+}
+
+Result<RadianceSample> bake_places(std::span<const GridPoint> points, std::span<const Vector> normals,
+                                   const RadianceSample& tile) {
+    BakedTile baked;
+    for (size_t i = 0; i < points.size(); ++i) baked.receivers.push_back(receiver_at(points[i], normals[i]));
+    StartBox box{points[0], points[0]};
+    for (const GridPoint& p : points) {
+        box.low = {std::min(box.low.x, p.x), std::min(box.low.y, p.y), std::min(box.low.z, p.z)};
+        box.high = {std::max(box.high.x, p.x), std::max(box.high.y, p.y), std::max(box.high.z, p.z)};
+    }
+    std::vector<SurfaceTriangle> triangles = tile.surroundings.own;
+    test::add(triangles, tile.surroundings.around);
+    BakeOptions options;
+    options.texels_across = tile.visibility.side;
+    Status cast = Done{};
+    const double seconds = seconds_of([&] {
+        const auto scene = OccluderScene::create(triangles, tile.surroundings.heights.get(), widened(box, 0));
+        if (!scene)
+            cast = scene.error();
+        else
+            cast_visibility(baked.receivers, *scene, options, baked);
+    });
+    if (!cast) return cast.error();
+    return sample_of(std::move(baked), seconds);
 }
 
 RadianceSample open_sphere(uint32_t vertices, uint32_t texels_across) {

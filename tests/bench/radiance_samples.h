@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,8 +12,19 @@
 #include "codec/radiance/visibility_bits.h"
 #include "codec/result.h"
 #include "tests/bench/mesh_files.h"
+#include "tiles/radiance/height_grid.h"
+#include "tiles/radiance/surface_triangle.h"
 
 namespace citystream::bench {
+
+inline constexpr int64_t kTileMetres = 128;
+
+/// What a tile is made of and what is around it.
+struct TileSurroundings {
+    GridPoint base;  ///< south-west corner and base height; places count from there
+    std::vector<tiles::radiance::SurfaceTriangle> own, around;
+    std::shared_ptr<const tiles::radiance::HeightGrid> heights;  ///< null: nothing is beyond
+};
 
 /// A tile's visibility, or a mesh's.
 struct RadianceSample {
@@ -21,6 +34,7 @@ struct RadianceSample {
     /// Of a tile: its receivers as its layer has them (codec/radiance/radiance_layer.h). None of a mesh.
     uint32_t spacing_log2 = 0;
     std::vector<codec::radiance::ReceiverPlace> places = {};
+    TileSurroundings surroundings = {};
 };
 
 struct RadianceSet {
@@ -45,12 +59,18 @@ struct SampleOptions {
 Result<RadianceSample> bake_vertices(const SourceMesh& mesh, const SampleOptions& options);
 
 /// Tiles of 128 m of a city, as the builder bakes them: triangles cut at the tiles' borders, those of the eight
-/// neighbours and the city's heights in the way. Of the tiles with at least the middle number of triangles,
-/// options.tiles, spread evenly from the south-west to the north-east. Error: Embree's.
+/// neighbours and the city's heights in the way; a city without ground gets a flat one under all of it. Of the tiles
+/// with at least the middle number of triangles, options.tiles, spread evenly from the south-west to the north-east.
+/// Error: Embree's.
 Result<std::vector<RadianceSample>> bake_city_tiles(const SourceMesh& city, const SampleOptions& options);
 
-/// The tile of the box city (tests/tiles/radiance/box_city.h), its towers along the axes or each turned.
-Result<RadianceSample> bake_box_city(bool turned, const SampleOptions& options);
+/// A tile of the box city (tests/tiles/radiance/box_city.h), its towers along the axes or each turned.
+Result<RadianceSample> bake_box_city(bool turned, const SampleOptions& options,
+                                     const std::array<int64_t, 2>& tile = {0, 0});
+
+/// What is seen from points of a tile's surface with these unit normals, one receiver each. Error: Embree's.
+Result<RadianceSample> bake_places(std::span<const GridPoint> points, std::span<const std::array<double, 3>> normals,
+                                   const RadianceSample& tile);
 
 /// Vertices of a sphere that see all that is above their planes, on a spiral from pole to pole.
 RadianceSample open_sphere(uint32_t vertices, uint32_t texels_across);

@@ -21,11 +21,9 @@ void check_words(const std::vector<uint32_t>& words) {
     if (4 * words.size() > kDecodedBytes) std::abort();
     const auto view = RadianceLayerView::create(words);
     if (!view) std::abort();
-    const uint32_t columns = view->matrix()[RADIANCE_WORD_COLUMNS], locals = view->matrix()[RADIANCE_WORD_LOCALS];
     WholeLight light;
-    light.values.assign(columns, {1, 0, 0xffffffff});
-    const std::vector<uint32_t> weights(locals, 1);
-    if (irradiance_words(*view, light, weights).size() != IRRADIANCE_WORDS * view->receivers()) std::abort();
+    light.values.assign(view->matrix()[RADIANCE_WORD_COLUMNS], {1, 0, 0xffffffff});
+    if (irradiance_words(*view, light).size() != IRRADIANCE_WORDS * view->receivers()) std::abort();
 }
 
 }  // namespace

@@ -95,6 +95,25 @@ TEST(BadInput, ReportRefusesSettingsThatItCannotBuildOrName) {
     refuse({"--precisions", "double", "--", "generate"}, "--precisions");
     refuse({"--mesh-steps", "0", "--", "generate"}, "--mesh-steps");
     refuse({"--also", "nameless.3tz"}, "--also");
+    const auto refuse_light = [&](std::vector<std::string> more, const std::string& option) {
+        more.insert(more.begin(), {"--environment", "sky"});
+        refuse(more, option);
+    };
+    refuse_light({"--lattices", "4,3", "--", "generate"}, "--lattices");
+    refuse_light({"--directions", "65", "--", "generate"}, "--directions");
+    refuse_light({"--local-directions", "0", "--", "generate"}, "--local-directions");
+    refuse_light({"--lattices", "4"}, "--lattices");
+    refuse_light({"--light-tolerances", "0.1,2"}, "--light-tolerances");
+    refuse_light({"--matrices", "dense"}, "--matrices");
+    refuse_light({"--matrix-errors", "nan"}, "--matrix-errors");
+    refuse_light({"--reference-rays", "0"}, "--reference-rays");
+    refuse_light({"--exposure", "bright"}, "--exposure");
+    refuse_light({"--sun", "moon"}, "--sun");
+    refuse_light({"--hour", "25"}, "--hour");
+    refuse({"--light-tolerances", "0.1"}, "--environment");
+    refuse({"--matrices", "rows"}, "--environment");
+    refuse({"--reference-rays", "64"}, "--environment");
+    refuse({"--hour", "12"}, "--hour");
     EXPECT_FALSE(std::filesystem::exists(folder / "report"));
 }
 

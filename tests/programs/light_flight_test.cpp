@@ -116,6 +116,7 @@ TEST(LightFlight, WhatIsWrongWithTheLightIsOneClearLine) {
     refuse({"--environment", "sky", "--matrix", "dense"}, 2, "--matrix");
     refuse({"--light-tolerance", "0.1"}, 2, "--light-tolerance");
     refuse({"--matrix", "rows"}, 2, "--matrix");
+    refuse({"--matrix-error", "0.1"}, 2, "--matrix-error");
     refuse({"--environment", "sky", "--reference", "a.glb"}, 2, "--reference");
     refuse({"--environment", "/nowhere/dawn.exr"}, 1, "/nowhere/dawn.exr");
     const std::string text = city().folder / "text.exr";

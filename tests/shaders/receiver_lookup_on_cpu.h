@@ -10,6 +10,7 @@ namespace citystream::shaders_test {
 struct LookedUpReceivers {
     uint32_t count;
     bool own_surface;
+    std::array<float, 3> normal;
     std::array<uint32_t, 4> receiver;
     std::array<float, 4> weight;
     uint64_t loads;  ///< of words

@@ -14,6 +14,7 @@
 #include "tiles/layers/inspect_charts.h"
 #include "tiles/layers/inspect_facades.h"
 #include "tiles/layers/inspect_pages.h"
+#include "tiles/layers/inspect_radiance.h"
 #include "tiles/tileset/subtree.h"
 #include "tiles/tileset/tileset_json.h"
 
@@ -217,6 +218,11 @@ Result<nlohmann::json> read_city_info(const std::string& path) {
         auto pages = page_json(**reader, *manifest);
         if (!pages) return pages.error();
         out["atlas_pages"] = std::move(pages).value();
+    }
+    if (manifest->has_layer[static_cast<size_t>(Layer::kRadiance)]) {
+        auto radiance = radiance_json(**reader, *manifest);
+        if (!radiance) return radiance.error();
+        out["radiance"] = std::move(radiance).value();
     }
     return out;
 }

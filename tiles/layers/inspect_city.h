@@ -16,8 +16,8 @@ namespace citystream::tiles::layers {
 /// levels, layers.NAME.wire_bytes and .decoded_bytes, ...
 nlohmann::json manifest_json(const tileset::Manifest& manifest);
 
-/// manifest_json of an archive, with its size, entries and, where it has them, the dictionaries and what its pages hold
-/// (inspect_facades.h, inspect_charts.h, inspect_pages.h).
+/// manifest_json of an archive, with its size, entries and, where it has them, the dictionaries, what its pages hold
+/// and its receivers (inspect_facades.h, inspect_charts.h, inspect_pages.h, inspect_radiance.h).
 Result<nlohmann::json> read_city_info(const std::string& path);
 
 /// Checks structure and CRC of the archive, directory, every step's checksum and frame, every layer's decoded form, the

@@ -27,12 +27,15 @@ Status check_radiance_form(const RadianceForm& form) {
     if (form.local_across < 1 || form.local_across > codec::radiance::kMostLocalSide)
         return Error{fmt::format("{} local directions across; 1 to {} are possible", form.local_across,
                                  codec::radiance::kMostLocalSide)};
+    if (!(form.error >= 0 && form.error <= 1))
+        return Error{fmt::format("a radiance error of {}; 0 to 1 is possible", form.error)};
     return Done{};
 }
 
 std::string to_string(const RadianceForm& form) {
     return fmt::format(" lattice={}m directions={} local-directions={}", form.lattice_metres, form.texels_across,
-                       form.local_across);
+                       form.local_across) +
+           (form.error > 0 ? fmt::format(" radiance-error={}", form.error) : "");
 }
 
 uint32_t lattice_of_tile(const RadianceForm& form, uint64_t side_metres, bool leaf) {

@@ -28,7 +28,9 @@ struct RadianceForm {
     uint32_t lattice_metres = 4;  ///< spacing of a leaf's receivers: a power of two, 1..kMostLatticeMetres
     uint32_t texels_across = 32;  ///< n of the source: 1..codec::radiance::kMostCubeSide
     uint32_t local_across = 8;    ///< m of the local directions: 1..codec::radiance::kMostLocalSide
-    bool reuse = true;            ///< takes what it can from the archive that is to be replaced
+    /// Relative radiance that each place may have wrong for fewer bytes (codec/radiance/visibility_smoothing.h); 0..1.
+    double error = 0;
+    bool reuse = true;  ///< takes what it can from the archive that is to be replaced
 };
 
 /// Whether this build can make the layer: it has Embree.

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "codec/radiance/radiance_layer.h"
+#include "codec/radiance/visibility_smoothing.h"
 #include "tiles/layers/build_stage.h"
 #include "tiles/layers/earlier_radiance.h"
 #include "tiles/layers/memory_pass.h"
@@ -261,7 +262,10 @@ class BakingStage final : public RadianceStage {
     uint64_t layer_hash(const BakeInput& input, const BakeOptions& bake, const GridPoint& corner) const {
         const std::array<uint64_t, 4> parts = {kLayerVersion, form_.local_across, static_cast<uint64_t>(corner.z),
                                                radiance::bake_hash(input, bake, {corner.x, corner.y, 0})};
-        return tileset::checksum_of(parts.data(), sizeof(parts));
+        const uint64_t exact = tileset::checksum_of(parts.data(), sizeof(parts));
+        if (form_.error == 0) return exact;
+        const std::array<uint64_t, 2> with_error = {exact, std::bit_cast<uint64_t>(form_.error)};
+        return tileset::checksum_of(with_error.data(), sizeof(with_error));
     }
 
     /// What came of one lattice: with a fault there is no layer, and a wider lattice may have one.
@@ -328,7 +332,8 @@ class BakingStage final : public RadianceStage {
             layer.spacing_log2 = static_cast<uint32_t>(std::countr_zero(static_cast<uint64_t>(bake.lattice.spacing)));
             layer.places = radiance::places_of(baked.receivers, origin, bake.lattice.spacing);
             layer.visibility = std::move(baked.visibility);
-            const auto steps = codec::radiance::encode_radiance_layer(layer, form_.local_across, hash);
+            const double error = codec::radiance::smooth_visibility(layer.visibility, form_.error);
+            const auto steps = codec::radiance::encode_radiance_layer(layer, form_.local_across, hash, error);
             if (!steps) return Attempt{false, steps.error().text()};
             if (Status kept = keep(*steps, tile); !kept) return kept.error();
         }

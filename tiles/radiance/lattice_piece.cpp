@@ -175,6 +175,13 @@ GridPoint LatticePiece::nearest() const {
     return point_at(nearest_);
 }
 
+std::optional<GridPoint> LatticePiece::at(const Place& place) const {
+    const auto side = static_cast<double>(spacing_);
+    const Place inside = {std::round(place[0] * side), std::round(place[1] * side)};
+    if (!holds(inside)) return std::nullopt;
+    return point_at(inside);
+}
+
 std::vector<GridPoint> LatticePiece::others() const {
     std::vector<Place> places;
     Place low = middle_, high = middle_;

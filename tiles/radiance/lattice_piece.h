@@ -38,6 +38,9 @@ class LatticePiece {
     /// Others, nearest first: 8 x 8 places of the piece's bounds as far as they are on it, and its middle. So of a wall
     /// that is mostly under the ground the strip above is found.
     std::vector<GridPoint> others() const;
+    /// The point of the piece at a place of the square, relative to the column and in spacings (-1..1); nothing where
+    /// the piece does not go.
+    std::optional<GridPoint> at(const std::array<double, 2>& place) const;
     /// Squared distance from the column to `nearest`, grid units, seen along the class.
     int64_t squared_distance() const { return squared_distance_; }
     /// What the column means to the piece: its bilinear weight, integrated over the piece, seen along the class; grid

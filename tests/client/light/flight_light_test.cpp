@@ -69,6 +69,65 @@ TEST(FlightLight, ArgumentsThatDoNotGoTogetherAreNamed) {
     }
 }
 
+TEST(FlightLight, WhatOnlyTheAnalyticSkyHasNeedsIt) {
+    const auto with = [](LightArguments arguments, std::optional<double> LightArguments::*value) {
+        arguments.*value = 5;
+        return arguments;
+    };
+    LightArguments file, path;
+    file.environment = "dawn.hdr";
+    path.environment_path = "day.csv";
+    for (const auto& [value, option] : {std::pair{&LightArguments::latitude_degrees, "--latitude"},
+                                        {&LightArguments::day_of_year, "--day"},
+                                        {&LightArguments::turbidity, "--turbidity"}}) {
+        EXPECT_TRUE(check_light_arguments(with(sky_at(9), value))) << option;
+        EXPECT_TRUE(check_light_arguments(with(path, value))) << option;
+        for (const LightArguments& arguments : {LightArguments{}, file}) {
+            const Status checked = check_light_arguments(with(arguments, value));
+            ASSERT_FALSE(checked) << option;
+            EXPECT_NE(checked.error().text().find(option), std::string::npos) << checked.error().text();
+        }
+    }
+}
+
+TEST(FlightLight, TheSunStandsWhereLatitudeAndDayPutItAndHazeTakesOfIt) {
+    const auto sun_of = [](const LightArguments& arguments) {
+        auto light = FlightLight::load(arguments);
+        EXPECT_TRUE(light) << light.error().text();
+        FlightLighting facts;
+        return *light->at(0, facts).sun;
+    };
+    LightArguments equinox = sky_at(12);
+    equinox.latitude_degrees = 0;
+    equinox.day_of_year = 80.5;
+    EXPECT_GT(sun_of(equinox).direction[2], 0.999) << "in the zenith of the equator";
+    LightArguments south = sky_at(12);
+    south.latitude_degrees = -60;
+    EXPECT_GT(sun_of(south).direction[1], 0.9) << "low in the north in June";
+    LightArguments haze = sky_at(12);
+    haze.turbidity = 10;
+    EXPECT_LT(luminance(sun_of(haze).irradiance), 0.7 * luminance(sun_of(sky_at(12)).irradiance));
+}
+
+TEST(FlightLight, IsDescribedInAFewWords) {
+    EXPECT_EQ(describe_light(sky_at(18)), "the analytic sky at 18 h, latitude 48, day 172, turbidity 3");
+    LightArguments file;
+    file.environment = "maps/dawn.hdr";
+    file.rotation_degrees = 90;
+    file.sun = "map";
+    file.exposure = "-2";
+    EXPECT_EQ(describe_light(file), "dawn.hdr, turned by 90 degrees, its sun left in the map, exposure -2");
+    LightArguments path;
+    path.environment_path = "days/day.csv";
+    EXPECT_EQ(describe_light(path), "the environments of day.csv");
+}
+
+TEST(FlightLight, FormsOfMatricesHaveNames) {
+    EXPECT_EQ(matrix_form_named("biclusters"), codec::radiance::MatrixForm::kBiclusters);
+    EXPECT_EQ(matrix_form_named("rows"), codec::radiance::MatrixForm::kRows);
+    EXPECT_EQ(matrix_form_named("dense"), std::nullopt);
+}
+
 TEST(FlightLight, WhatCannotBeReadIsNamed) {
     LightArguments arguments;
     arguments.environment = "/nowhere/dawn.hdr";

@@ -105,9 +105,11 @@ std::array<uint8_t, 3> pixel(const FrameImage& image, uint32_t x, uint32_t y) {
     return {p[0], p[1], p[2]};
 }
 
-FrameImage draw(const std::string& glb, uint32_t supersample = 1) {
+FrameImage draw(const std::string& glb, uint32_t supersample = 1, bool lit = true) {
     const GlbFile file;
-    auto renderer = ReferenceRenderer::create(file.write(glb), {200, 100, supersample, {-1, 0, 0, 0}});
+    ReferenceOptions options{200, 100, supersample, {-1, 0, 0, 0}};
+    options.lit = lit;
+    auto renderer = ReferenceRenderer::create(file.write(glb), options);
     EXPECT_TRUE(renderer) << renderer.error().text();
     if (!renderer) return {};
     auto image = (*renderer)->draw(Camera::from_sample(looking_north(), 200, 100));
@@ -145,6 +147,12 @@ TEST(ReferenceRenderer, SupersamplingBlendsOnlyEdges) {
     EXPECT_EQ(pixel(plain, 100, 50), pixel(smooth, 100, 50));
     EXPECT_EQ(pixel(plain, 10, 10), pixel(smooth, 10, 10));
     EXPECT_NE(plain.rgba, smooth.rgba);
+}
+
+TEST(ReferenceRenderer, SurfacesShowTheirOwnColoursWhereNoLightIsWanted) {
+    const FrameImage image = draw(wall_glb(false), 1, false);
+    ASSERT_EQ(image.width, 200u);
+    EXPECT_EQ(pixel(image, 100, 50), (std::array<uint8_t, 3>{255, 0, 0}));
 }
 
 TEST(ReferenceRenderer, RefusesDamagedFilesWithOneClearError) {

@@ -1,15 +1,10 @@
 // Facades in frames with a light, and the other kinds of tiles: pages, strip code, layers in pieces.
-#include "tests/client/render/facade_scene.h"
-#include "tests/client/render/lit_scene.h"
+#include "tests/client/render/lit_house.h"
 #include "tests/client/render/page_scene.h"
 #include "tests/client/render/scattering_store.h"
 
 namespace citystream::client::test {
 namespace {
-
-namespace box = tiles::radiance::test;
-
-constexpr FacadeRenderer kKind = FacadeRenderer::kPatch;
 
 RendererOptions facade_options(bool keyed) {
     RendererOptions options = small_options();
@@ -22,41 +17,6 @@ auto* const keyed_renderer =
     static_cast<SharedRenderer*>(testing::AddGlobalTestEnvironment(new SharedRenderer(facade_options(true))));
 auto* const plain_renderer =
     static_cast<SharedRenderer*>(testing::AddGlobalTestEnvironment(new SharedRenderer(facade_options(false))));
-
-/// A house of 6 x 6 x 4 m, whose wall at y = 0 is a facade, on ground with a tower beside it.
-struct House {
-    LitTile tile;
-    FacadeScene scene;
-};
-
-House make_house(LayerStore& store) {
-    static const LitTile kTile = [] {
-        Surface surface = box::ground(-16, -16, 16, 16);
-        box::add(surface, box::tower(3, 3, 6, 4));
-        box::add(surface, box::tower(-5, -3, 4, 9));
-        return lit_tile(surface, {}, {0, 0, 0});
-    }();
-    House house;
-    house.tile = kTile;
-    const Wall wall;
-    house.scene = facade_scene(store, kKind, window_facade(), std::span(&wall, 1));
-    // The wall's triangles come last: they stand in for it.
-    Surface ordered;
-    for (const bool dressed : {false, true}) {
-        for (const auto& triangle : kTile.surface) {
-            const bool is_wall = box::unit_normal(triangle)[1] < -0.9 && triangle.corners[0].y == 0;
-            if (is_wall == dressed) ordered.push_back(triangle);
-        }
-    }
-    codec::mesh::MeshTile mesh = mesh_of(ordered, kTile.origin);
-    mesh.dressed_begin -= 2;
-    const TileDraw drawn = upload_tile(store, mesh, {});
-    house.scene.tile.mesh = drawn.mesh;
-    house.scene.tile.mesh_steps = drawn.mesh_steps;
-    house.scene.tile.mesh_ranges = drawn.mesh_ranges;
-    house.scene.tile.radiance = upload(store, kTile.words);
-    return house;
-}
 
 /// Pixels of the facade against its light on the CPU; `in_sun`: whether the sun reaches a point of the wall.
 template <typename InSun>

@@ -193,7 +193,6 @@ class LitPainter {
           light_(light),
           unit_(codec::radiance::irradiance_unit(light.sky)),
           constants_(light_constants(light, unit_, 1)) {
-        const auto weights = codec::radiance::irradiance_weights(kLitLocals);
         for (const LitTile& tile : tiles) {
             irradiance_.emplace_back();
             tables_.emplace_back();
@@ -201,7 +200,7 @@ class LitPainter {
             const auto view = codec::radiance::RadianceLayerView::create(tile.words);
             EXPECT_TRUE(view.ok());
             if (!view) continue;
-            irradiance_.back() = codec::radiance::irradiance_words(*view, light.sky, weights);
+            irradiance_.back() = codec::radiance::irradiance_words(*view, light.sky);
             tables_.back() = *codec::radiance::ReceiverTableView::create(view->table());
         }
     }
@@ -236,6 +235,12 @@ class LitPainter {
                 sum[c] += static_cast<double>(shares.weight[k]) * static_cast<double>(irradiance[c]);
         }
         for (double& value : sum) value *= static_cast<double>(light_.exposure) / pi();
+        if (shares.own_surface) return sum;
+        const auto& [x, y, z] = shares.normal;
+        const double length = std::hypot(x, y, z);
+        const Vec3 here = open_sky_light(constants_, normal),
+                   there = open_sky_light(constants_, {x / length, y / length, z / length});
+        for (size_t c = 0; c < 3; ++c) sum[c] *= std::min(here[c] / std::max(there[c], 1e-9), 4.0);
         return sum;
     }
 

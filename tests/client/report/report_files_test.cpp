@@ -118,6 +118,103 @@ TEST(Report, WhatMeshesTakeAndHowFarTheyAreOffIsInEveryFile) {
     EXPECT_NE(html.find("Error against bytes of meshes"), std::string::npos);
 }
 
+RadianceCost cost_of(uint64_t radiance_bytes, uint64_t receivers) {
+    RadianceCost cost;
+    cost.buildings = 10;
+    cost.layer_bytes = {3000, 500, 500, radiance_bytes};
+    cost.lattice_metres = 4;
+    cost.texels_across = 32;
+    cost.local_across = 8;
+    cost.totals = tiles::tileset::RadianceTotals{};
+    cost.totals->receivers = receivers;
+    cost.totals->leaf_receivers = receivers - 20;
+    cost.totals->wire_bytes = radiance_bytes;
+    cost.totals->prefixes = {{radiance_bytes / 4, 0.125F}, {radiance_bytes, 0}};
+    return cost;
+}
+
+/// 6000 bytes of 200 receivers beside 4000 of other layers, and the city on a wider lattice.
+SweepResult lit_settings() {
+    SweepResult result = two_settings();
+    result.lit = true;
+    result.environment = "a <sky>";
+    result.rays_a_pixel = 256;
+    result.radiance = cost_of(6000, 200);
+    result.settings[0].setting = {"light-tolerance", 0.05, {}, {}};
+    result.settings[0].radiance = result.radiance;
+    result.settings[1].setting = {"lattice", 8, {}, "lattice_8.3tz"};
+    result.settings[1].radiance = cost_of(1000, 50);
+    for (SettingResult& setting : result.settings) {
+        setting.total_radiance_bytes = 1500;
+        setting.largest_radiance_gpu_bytes = 3 << 20;
+        for (FrameRow& row : setting.frames) {
+            row.light_ms = 7.25;
+            row.shadow_ms = 3.5;
+            row.light_decode_ms = 40;
+            row.radiance_bytes = 750;
+            row.radiance_gpu_bytes = 2 << 20;
+            row.receivers = 180;
+            row.row_error = 0.015625;
+        }
+    }
+    return result;
+}
+
+TEST(LightReport, WhatEachSettingCostsIsInEveryFile) {
+    const SweepResult result = lit_settings();
+    const auto json = nlohmann::json::parse(report_json(SweepOptions{}, result));
+    EXPECT_EQ(json["light"]["environment"], "a <sky>");
+    EXPECT_EQ(json["light"]["rays_a_pixel"], 256);
+    EXPECT_EQ(json["light"]["radiance"]["receivers"], 200);
+    EXPECT_DOUBLE_EQ(json["light"]["radiance"]["percent_of_tile_bytes"], 60);
+    const auto& light = json["settings"][0]["light"];
+    EXPECT_DOUBLE_EQ(light["light_ms_median"], 7.25);
+    EXPECT_DOUBLE_EQ(light["shadow_ms_median"], 3.5);
+    EXPECT_DOUBLE_EQ(light["decode_ms"], 80);
+    EXPECT_EQ(light["radiance_bytes"], 1500);
+    EXPECT_EQ(light["radiance_gpu_bytes_most"], 3 << 20);
+    EXPECT_EQ(light["receivers_most"], 180);
+    EXPECT_DOUBLE_EQ(light["row_error_most"], 0.015625);
+    EXPECT_DOUBLE_EQ(json["settings"][1]["light"]["archive"]["bytes_a_receiver"], 20);
+    const std::string csv = frames_csv(result);
+    EXPECT_NE(csv.find("light_ms,shadow_ms,light_decode_ms,radiance_bytes,radiance_gpu_bytes,receivers,row_error\n"),
+              std::string::npos);
+    EXPECT_NE(csv.find(",7.250,3.500,40.000,750,2097152,180,0.01562\n"), std::string::npos) << csv;
+    const std::string html = report_html(SweepOptions{}, result);
+    EXPECT_NE(html.find("lit by a &lt;sky&gt;"), std::string::npos);
+    EXPECT_NE(html.find("256 rays a pixel"), std::string::npos);
+    for (const char* title :
+         {"PSNR against bytes of radiance", "PSNR against the time of light passes", "PSNR against memory of radiance",
+          "PSNR against receivers", "PSNR against decoding of radiance"})
+        EXPECT_NE(html.find(title), std::string::npos) << title;
+}
+
+TEST(LightReport, ThePageSaysWhatRadianceCostsAndWhyAndWhatBringsItDown) {
+    SweepResult result = lit_settings();
+    const std::string html = report_html(SweepOptions{}, result);
+    EXPECT_NE(html.find("Radiance is 6000 of the 10000 bytes of the city's tiles: 60.0 %"), std::string::npos);
+    EXPECT_NE(html.find("200 receivers (180 in tiles without tiles below them"), std::string::npos);
+    EXPECT_NE(html.find("take 30.0 bytes each"), std::string::npos);
+    EXPECT_NE(html.find("400 bytes a building, beside 20.0 receivers a building"), std::string::npos);
+    // 15 % of what would then be 4000 / 0.85 bytes.
+    EXPECT_NE(html.find("would have to take 706 bytes, 3.53 each"), std::string::npos);
+    EXPECT_NE(html.find("the first alone (light tolerance 0.125): 1500 bytes, 27.3 %"), std::string::npos);
+    EXPECT_NE(html.find("lattice 8 m: 50 receivers of 20.0 bytes, 1000 bytes, 20.0 %, at 36.00 dB"), std::string::npos)
+        << html;
+    result.radiance = cost_of(500, 50);
+    const std::string cheap = report_html(SweepOptions{}, result);
+    EXPECT_NE(cheap.find("Radiance is 500 of the 4500 bytes of the city's tiles: 11.1 %"), std::string::npos);
+    EXPECT_EQ(cheap.find("What brings it down"), std::string::npos);
+    result.radiance.reset();
+    EXPECT_NE(report_html(SweepOptions{}, result).find("The city has no radiance layer"), std::string::npos);
+}
+
+TEST(LightReport, ReportsWithoutLightHaveNothingOfIt) {
+    const std::string html = report_html(SweepOptions{}, two_settings());
+    for (const char* word : {"radiance", "<h2>Light", "light passes"}) EXPECT_EQ(html.find(word), std::string::npos);
+    EXPECT_FALSE(nlohmann::json::parse(report_json(SweepOptions{}, two_settings())).contains("light"));
+}
+
 TEST(Setting, FileNamesHaveNeitherBlanksNorColons) {
     EXPECT_EQ((Setting{"saliency", 0, "ssim:0.99", {}}).file_prefix(), "saliency_ssim_0.99");
     EXPECT_EQ((Setting{"archive", 0, "merged 2mm", {}}).file_prefix(), "archive_merged_2mm");
@@ -131,6 +228,11 @@ TEST(Setting, LabelsHaveUnitsWhereThereAreNumbers) {
     EXPECT_EQ((Setting{"rate-distortion", 16, {}, {}}).label(), "16");
     EXPECT_EQ((Setting{"gpu-budget", 64, {}, {}}).label(), "64 MiB");
     EXPECT_EQ((Setting{"map-level", 0, "auto", {}}).label(), "auto");
+    EXPECT_EQ((Setting{"lattice", 4, {}, {}}).label(), "4 m");
+    EXPECT_EQ((Setting{"directions", 16, {}, {}}).label(), "16");
+    EXPECT_EQ((Setting{"light-tolerance", 0.05, {}, {}}).label(), "0.05");
+    EXPECT_EQ((Setting{"matrix-error", 0.01, {}, {}}).label(), "0.01");
+    EXPECT_EQ((Setting{"matrix", 0, "rows", {}}).label(), "rows");
 }
 
 TEST(Report, JsonHasMediansTotalsAndTheLeastPsnrOfEverySetting) {

@@ -22,6 +22,9 @@ TEST(Variants, TheBuilderIsCalledWithTheCityThenTheSettingThenTheOutput) {
               (std::vector<std::string>{"builder", "generate", "--buildings", "10", "--mesh-transport", "draco", "-o",
                                         "c.3tz"}));
     EXPECT_EQ(build_command(options, {"normal-bits", 24, {}, {}}, "d.3tz")[5], "24");
+    EXPECT_EQ(build_command(options, {"local-directions", 4, {}, {}}, "e.3tz"),
+              (std::vector<std::string>{"builder", "generate", "--buildings", "10", "--local-directions", "4", "-o",
+                                        "e.3tz"}));
 }
 
 TEST(Variants, OnlySettingsThatAreBuiltGetAPlaceAndEachItsOwn) {
@@ -40,6 +43,18 @@ TEST(Variants, TheFormOfMeshesIsBuilt) {
         EXPECT_TRUE(is_built(knob)) << knob;
     for (const char* knob : {"tolerance", "position-tolerance", "archive", "gpu-budget"})
         EXPECT_FALSE(is_built(knob)) << knob;
+}
+
+TEST(Variants, OfLightWhereItIsGatheredAndFromWhereIsBuilt) {
+    for (const char* knob : {"lattice", "directions", "local-directions"}) {
+        EXPECT_TRUE(is_built(knob)) << knob;
+        EXPECT_TRUE(is_of_light(knob)) << knob;
+    }
+    for (const char* knob : {"light-tolerance", "matrix", "matrix-error"}) {
+        EXPECT_FALSE(is_built(knob)) << knob;
+        EXPECT_TRUE(is_of_light(knob)) << knob;
+    }
+    EXPECT_FALSE(is_of_light("tolerance"));
 }
 
 TEST(Variants, ABuilderThatFailsOrIsNotThereIsAnErrorThatSaysWhatWasTried) {

@@ -266,6 +266,44 @@ TEST(LightResidency, ALongerPrefixTakesThePlaceOfAShorterOne) {
     EXPECT_GT(grown, 0U) << "no tile's light grew: the test is too easy";
 }
 
+TEST(LightResidency, ALossyMatrixTakesLessAndSaysWhatItLeftOut) {
+    Flight exact(lit_city(), lit());
+    exact.update(street(lit_city()));
+    EXPECT_EQ(exact.frame.light_row_error, 0);
+    EXPECT_EQ(exact.frame.light_quarters_dropped, 0U);
+    StreamerOptions options = lit();
+    options.matrix_error = 0.2;
+    Flight lossy(lit_city(), options);
+    const auto& draws = lossy.update(street(lit_city()));
+    EXPECT_GT(lossy.frame.light_row_error, 0);
+    EXPECT_LE(lossy.frame.light_row_error, options.matrix_error);
+    EXPECT_GT(lossy.frame.light_quarters_dropped, 0U);
+    EXPECT_LT(lossy.frame.light_bytes, exact.frame.light_bytes);
+    EXPECT_EQ(lossy.frame.light_tiles, draws.size());
+    EXPECT_EQ(lossy.frame.layer_bytes, exact.frame.layer_bytes);
+}
+
+TEST(LightResidency, WhatTheDirectoryAllowedForBeyondWhatIsTakenGoesToOtherTiles) {
+    size_t gained = 0;
+    for (const uint64_t gpu : {uint64_t{100} << 10, uint64_t{120} << 10, uint64_t{140} << 10, uint64_t{160} << 10}) {
+        Flight flight(lit_city(), lit(kFinest, test::whole_view()), gpu, 1024);
+        const auto& draws = flight.update(lit_city().camera(512, 0, 60, 0, -20));
+        uint64_t allowed = 0, taken = 0;
+        for (const TileDraw& draw : draws) {
+            const auto& steps = lit_city().tile(draw.address).steps(Layer::kRadiance);
+            const size_t shown = steps_shown(flight, draw);
+            for (size_t i = 0; i < shown; ++i) allowed += steps[i].decoded_bytes;
+            if (shown > 0) taken += 4 * flight.store.words_of(draw.radiance).size();
+        }
+        EXPECT_EQ(taken, flight.frame.light_bytes);
+        EXPECT_LE(flight.store.slots_used(), flight.store.slot_count());
+        EXPECT_EQ(flight.store.refused_appends(), 0U);
+        const uint64_t others = flight.store.slots_used() * flight.store.slot_bytes() - taken;
+        gained += others + allowed > gpu ? 1 : 0;
+    }
+    EXPECT_GT(gained, 0U) << "no view has more light than the directory's sizes have room for";
+}
+
 TEST(LightResidency, ADamagedStepIsTriedOnceMore) {
     Flight flight(lit_city(), lit());
     flight.fetcher.damage_times["tiles/3/0/0.radiance"] = 1;

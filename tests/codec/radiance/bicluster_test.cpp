@@ -140,7 +140,8 @@ TEST(BiclusterSearch, KeepsKeysThatSayWhatEveryOperationGains) {
             std::sort(columns.begin(), columns.end());
             std::vector<int8_t> values;
             for (const uint16_t k : columns) values.push_back(search.value(k));
-            matrix.subtract(c.rows, columns, values, {});
+            RowBudgets exact;
+            matrix.subtract(c.rows, columns, values, exact);
         }
     }
     EXPECT_GT(operations, 1000u);
@@ -158,7 +159,8 @@ TEST(BiclusterSearch, SavesWhatThePapersExampleSaves) {
     const std::vector<uint32_t> rows = {0, 1, 2};
     const std::vector<uint16_t> columns = {0, 1, 2, 3};
     const std::vector<int8_t> values = {4, 2, 3, 4};
-    matrix.subtract(rows, columns, values, {});
+    RowBudgets exact;
+    matrix.subtract(rows, columns, values, exact);
     EXPECT_EQ(matrix.nonzeros(), 2u);
     EXPECT_EQ(dense_of(matrix), (Dense{{0, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 0, -4}}));
 }

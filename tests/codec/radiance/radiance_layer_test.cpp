@@ -260,7 +260,7 @@ std::vector<std::array<float, 3>> lit(const RadianceTile& tile, const std::vecto
     const auto words = words_of(encoded(tile, local_side), kSteps, form);
     const auto view = RadianceLayerView::create(words);
     const WholeLight light = whole_light(weighted_light(radiance, tile.visibility.side));
-    const auto irradiance = irradiance_words(*view, light, irradiance_weights(local_side));
+    const auto irradiance = irradiance_words(*view, light);
     EXPECT_EQ(irradiance.size(), IRRADIANCE_WORDS * tile.places.size());
     std::vector<std::array<float, 3>> result;
     for (uint32_t r = 0; r < view->receivers(); ++r)
@@ -327,11 +327,10 @@ TEST(Irradiance, OfBothFormsIsTheSame) {
 TEST(Irradiance, IsNotMadeOfLightOfAnotherCube) {
     const auto words = words_of(encoded(small_city(4)), kSteps, MatrixForm::kRows);
     const auto view = RadianceLayerView::create(words);
-    const auto weights = irradiance_weights(kLocalSide);
     const auto light = [](uint32_t side) { return whole_light(std::vector<Rgb>(texel_count(side), {1, 1, 1})); };
-    EXPECT_TRUE(irradiance_words(*view, light(5), weights).empty());
-    EXPECT_TRUE(irradiance_words(*view, light(4), std::span(weights).first(9)).empty());
-    EXPECT_FALSE(irradiance_words(*view, light(4), weights).empty());
+    EXPECT_TRUE(irradiance_words(*view, light(5)).empty());
+    EXPECT_TRUE(irradiance_words(*view, whole_light(std::vector<Rgb>(7, {1, 1, 1}))).empty());
+    EXPECT_FALSE(irradiance_words(*view, light(4)).empty());
 }
 
 TEST(Irradiance, HalvesAreTheNearestToTheirSums) {

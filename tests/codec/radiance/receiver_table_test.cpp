@@ -148,10 +148,32 @@ TEST(ReceiverTable, WhereASurfaceHasNoneTheNearestOfAnotherStandsIn) {
     EXPECT_EQ(places[low.receiver[0]].depth, 0);
     EXPECT_EQ(places[high.receiver[0]].depth, 10240);
     EXPECT_EQ(places[low.receiver[0]].column, (std::array<int32_t, 2>{1, 1}));
-    // What looks away takes none of the ground, and what is far from all has none.
+    EXPECT_EQ(low.normal, (std::array<float, 3>{0, 0, RECEIVER_TILT_ONE}));
+    // What looks away takes none of the ground, not even by a little, and what is far from all has none.
     EXPECT_EQ(ask(words, {3, 3, 0.3F}, {0, 0, -1}).count, 0U);
+    EXPECT_EQ(ask(words, {3, 3, 0.3F}, {0, 1, -0.1F}).count, 0U);
     EXPECT_EQ(ask(words, {3, 3, 5}, {0, 1, 0}).count, 0U);
     EXPECT_EQ(ask(words, {40, 3, 0}, {0, 0, 1}).count, 0U);
+}
+
+TEST(ReceiverTable, WhatIsTurnedAsTheSurfaceIsStandsInBeforeWhatIsALittleNearer) {
+    // Under a crown: its base looks down 1 m below, the ground up 2 m below; beside it a wall.
+    const std::vector<ReceiverPlace> places = {
+        {0, {0, 0}, -1200, {0, 0}}, {4, {0, 0}, -2048, {0, 0}}, {5, {0, 0}, -512, {0, 0}}};
+    const auto words = written(places);
+    const auto side = ask(words, {0, 0, 0}, {1, 0, 0.2F});
+    ASSERT_EQ(side.count, 1U);
+    EXPECT_EQ(side.receiver[0], 0U);
+    EXPECT_EQ(side.normal, (std::array<float, 3>{RECEIVER_TILT_ONE, 0, 0}));
+    // The base stands in for what looks down alone, however near it is.
+    const auto under = ask(words, {0, 0, -0.5F}, {0.8F, 0, -1});
+    ASSERT_EQ(under.count, 1U);
+    EXPECT_EQ(under.receiver[0], 2U);
+    EXPECT_FALSE(under.own_surface);
+    EXPECT_EQ(ask(words, {0, 0, -0.5F}, {0, 1, 0}).receiver[0], 0U);
+    const auto other_side = ask(words, {0, 0, 0}, {-1, 0, 0.2F});
+    ASSERT_EQ(other_side.count, 1U);
+    EXPECT_EQ(other_side.receiver[0], 1U);
 }
 
 TEST(ReceiverTable, ASlopesReceiversAreFoundFromAnywhereOnIt) {
@@ -203,6 +225,7 @@ void expect_twins(const std::vector<uint32_t>& words, const ReceiverTableView& v
     ASSERT_EQ(twin.count, shares.count);
     if (shares.count == 0) return;
     EXPECT_EQ(twin.own_surface, shares.own_surface);
+    EXPECT_EQ(twin.normal, shares.normal);
     for (uint32_t k = 0; k < shares.count; ++k) {
         EXPECT_EQ(twin.receiver[k], shares.receiver[k]);
         EXPECT_EQ(twin.weight[k], shares.weight[k]);

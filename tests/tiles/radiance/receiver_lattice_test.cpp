@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "tests/tiles/radiance/box_city.h"
+#include "tiles/radiance/even_light.h"
 
 namespace citystream::tiles::radiance {
 namespace {
@@ -173,6 +174,50 @@ TEST(ReceiverLattice, WhatLittleHangsOnIsLeftOut) {
     // A wall that is narrow and high keeps its receivers.
     const auto narrow = place(test::tower(2, 2, 0.5, 30), {}, to_grid(4));
     EXPECT_EQ(of_class(narrow, 0), 8U + 8U);
+}
+
+TEST(ReceiverLattice, TheDarkLineUnderAnEaveIsNotWhereAWallsReceiversStand) {
+    constexpr double kTop = 4.2, kEdge = 40, kEave = 1;
+    Surface house = test::ground(0, 0, 64, 64);
+    test::add(house, test::tower(32, 32, 16, kTop));
+    const Surface bare = house;
+    house.push_back(SurfaceTriangle{{at(kEdge, 24, kTop), at(kEdge + kEave, 24, kTop), at(kEdge + kEave, 40, kTop)}});
+    house.push_back(SurfaceTriangle{{at(kEdge, 24, kTop), at(kEdge + kEave, 40, kTop), at(kEdge, 40, kTop)}});
+    const auto scene = OccluderScene::create(house, nullptr, kTile);
+    ASSERT_TRUE(scene);
+    const EvenLight even({1, 0, 0});
+    // The columns just below the wall's upper edge: without an eave the receivers stand at them.
+    const auto top_row = [&](const Surface& surface) {
+        std::vector<GridPoint> points;
+        for (const Receiver& receiver : place(surface, {}, to_grid(4))) {
+            if (receiver.surface_class == 0 && receiver.column[1] == 1) points.push_back(receiver.point);
+        }
+        return points;
+    };
+    const auto open_points = top_row(bare), points = top_row(house);
+    ASSERT_EQ(points.size(), 5U);
+    ASSERT_EQ(open_points.size(), 5U);
+    for (size_t i = 0; i < points.size(); ++i) {
+        EXPECT_EQ(points[i].x, to_grid(kEdge));
+        EXPECT_NEAR(to_metres(open_points[i].z), 4, 0.2);
+        EXPECT_LT(even.at(*scene, open_points[i]), 0.4) << "a wall in the open has half";
+        EXPECT_LT(to_metres(points[i].z), 3.5);
+        EXPECT_GT(even.at(*scene, points[i]), even.at(*scene, open_points[i]) + 0.05);
+    }
+}
+
+TEST(EvenLight, IsWholeInTheOpenAndHalfAtTheFootOfALongWall) {
+    Surface surface = test::ground(0, 0, 128, 128);
+    const EvenLight even({0, 0, 1});
+    const auto open_field = OccluderScene::create(surface, nullptr, kTile);
+    ASSERT_TRUE(open_field);
+    EXPECT_NEAR(even.at(*open_field, at(64, 64, 0)), 1, 1e-12);
+    surface.push_back(SurfaceTriangle{{at(64, -900, 0), at(64, 1000, 0), at(64, 1000, 2000)}});
+    surface.push_back(SurfaceTriangle{{at(64, -900, 0), at(64, 1000, 2000), at(64, -900, 2000)}});
+    const auto walled = OccluderScene::create(surface, nullptr, kTile, {.triangles = 3000, .horizon = 3000});
+    ASSERT_TRUE(walled);
+    // Of the few directions those along the wall, a tenth of the light, meet nothing.
+    EXPECT_NEAR(even.at(*walled, at(64.1, 50, 0)), 0.5, 0.12);
 }
 
 TEST(ReceiverLattice, OfAnyTwoInAColumnNoneStandsForTheOther) {

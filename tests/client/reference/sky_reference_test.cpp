@@ -1,4 +1,4 @@
-#include "tests/bench/sky_reference.h"
+#include "client/reference/sky_reference.h"
 
 #include <gtest/gtest.h>
 
@@ -6,14 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-namespace citystream::bench {
+namespace citystream::client {
 namespace {
-
-using client::Camera;
-using client::Direction;
-using client::EnvironmentMap;
-using client::LightSum;
-using client::Rgb;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -26,7 +20,7 @@ EnvironmentMap uneven_sky() {
     EnvironmentMap map{64, 32, {}};
     for (uint32_t row = 0; row < map.height; ++row) {
         for (uint32_t column = 0; column < map.width; ++column) {
-            const Direction d = client::map_direction(map.width, map.height, column + 0.5, row + 0.5);
+            const Direction d = map_direction(map.width, map.height, column + 0.5, row + 0.5);
             const auto value = static_cast<float>(std::exp(2 * d[0]) + (d[2] > 0.5 ? 3 : 0));
             map.texels.push_back({value, 0.5F * value, 1});
         }
@@ -97,8 +91,8 @@ TEST(SkyReference, RaysAreSpreadByTheCosine) {
         constexpr uint32_t kAcross = 64;
         for (uint32_t ray = 0; ray < kAcross * kAcross; ++ray) {
             const Direction d = cosine_direction(normal, ray, kAcross, 3);
-            EXPECT_NEAR(client::dot(d, d), 1, 1e-12);
-            EXPECT_GE(client::dot(d, normal), 0);
+            EXPECT_NEAR(dot(d, d), 1, 1e-12);
+            EXPECT_GE(dot(d, normal), 0);
             for (size_t c = 0; c < 3; ++c) mean[c] += d[c] / (kAcross * kAcross);
         }
         // The mean of the cosine by the cosine is 2 / 3.
@@ -116,10 +110,10 @@ bool is_met(const ReferenceTriangle& triangle, const Direction& from, const Dire
         return Direction{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
     };
     const Direction u = minus(q, p), v = minus(r, p), s = minus(from, p), n = cross(d, v), m = cross(s, u);
-    const double scale = client::dot(u, n);
+    const double scale = dot(u, n);
     if (scale == 0) return false;
-    const double a = client::dot(s, n) / scale, b = client::dot(d, m) / scale;
-    return a >= 0 && b >= 0 && a + b <= 1 && client::dot(v, m) / scale > 0;
+    const double a = dot(s, n) / scale, b = dot(d, m) / scale;
+    return a >= 0 && b >= 0 && a + b <= 1 && dot(v, m) / scale > 0;
 }
 
 TEST(SkyReference, AgreesWithEveryRayAgainstEveryTriangle) {
@@ -164,6 +158,107 @@ TEST(SkyReference, PicturesDoNotDependOnTheNumberOfThreadsOrTheCitysPlace) {
     EXPECT_EQ(one.pixels, again.pixels);
 }
 
+/// High in the east.
+Sun eastern_sun() {
+    Sun sun;
+    sun.direction = {0.6, 0, 0.8};
+    sun.irradiance = {10, 8, 6};
+    return sun;
+}
+
+TEST(SkyReference, TheSunReachesWhatFacesItAndNothingBehindAWall) {
+    const auto reference = reference_of(ground_and_wall(1000, 20, 1));
+    const Sun sun = eastern_sun();
+    const LightSum open = reference.sun_irradiance({5, 0, 0}, {0, 0, 1}, sun, 8, 1);
+    for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(open[c], 0.8 * sun.irradiance[c], 1e-4 * sun.irradiance[c]);
+    // 20 m high, so 15 m long a shadow to the west.
+    EXPECT_EQ(reference.sun_irradiance({-14.5, 0, 0}, {0, 0, 1}, sun, 8, 1), (LightSum{}));
+    EXPECT_GT(reference.sun_irradiance({-15.5, 0, 0}, {0, 0, 1}, sun, 8, 1)[0], 7.9);
+    EXPECT_EQ(reference.sun_irradiance({0, 0, 10}, {-1, 0, 0}, sun, 8, 1), (LightSum{})) << "it faces away";
+}
+
+TEST(SkyReference, TheEdgeOfAShadowIsAsSoftAsTheSunIsLarge) {
+    const auto reference = reference_of(ground_and_wall(1000, 20, 1));
+    Sun sun = eastern_sun();
+    sun.angular_radius = 0.05;
+    // A disc's edge passes over: half of it in the middle, some of it within its radius seen from the wall's top 25 m
+    // away, whose shadow the slant makes longer by 1 / 0.8.
+    const auto share = [&](double x) {
+        return reference.sun_irradiance({x, 0, 0}, {0, 0, 1}, sun, 32, 1)[0] / (0.8 * sun.irradiance[0]);
+    };
+    EXPECT_NEAR(share(-15), 0.5, 0.04);
+    EXPECT_EQ(share(-15 + 1.8), 0);
+    EXPECT_GT(share(-15 + 1), 0);
+    EXPECT_LT(share(-15 - 1), 1);
+    EXPECT_NEAR(share(-15 - 1.8), 1, 0.01);
+}
+
+TEST(SkyReference, TheSunsDiscIsSeenWhereNothingIsMet) {
+    const auto sky = uniform_sky(1);
+    ReferenceLight light{&sky, &sky, eastern_sun()};
+    const auto reference = reference_of({});
+    const double yaw = 90, pitch = std::asin(0.8) * 180 / kPi;
+    const auto picture = reference.draw(camera_at(0, 0, 0, yaw, pitch, 17, 17), light, {});
+    const double radius = light.sun->angular_radius, solid_angle = 2 * kPi * (1 - std::cos(radius));
+    EXPECT_NEAR(picture.pixels[8 * 17 + 8][0], 1 + 10 / solid_angle, 1);
+    EXPECT_EQ(picture.pixels[0], (Rgb{1, 1, 1}));
+}
+
+TEST(SkyReference, APictureOfColoursTakesThePlaceOfTheTriangles) {
+    const auto sky = uniform_sky(2);
+    const auto dark = uniform_sky(0);
+    const auto reference = reference_of(ground_and_wall(1000, 0, 0.4F));
+    FrameImage colours{4, 4, std::vector<uint8_t>(4 * 4 * 4, 255)};
+    colours.rgba[0] = colours.rgba[1] = 0;  // the first pixel's first place is blue
+    const Camera camera = camera_at(0, 0, 10, 0, -90, 2, 2);
+    const auto picture = reference.draw(camera, {&sky, &dark, {}}, {.across = 8, .pixel_across = 2}, &colours);
+    EXPECT_NEAR(picture.pixels[0][0], 1.5, 1e-5);
+    EXPECT_NEAR(picture.pixels[0][2], 2, 1e-5);
+    EXPECT_NEAR(picture.pixels[3][0], 2, 1e-5);
+}
+
+/// One wall 4 m wide and high that stands on the ground, twice, and the ground.
+GlbScene scene_of_instances() {
+    GlbScene scene;
+    scene.origin = {1000, 2000, 0};
+    GlbGeometry wall, ground;
+    wall.vertices = {{{-2, 0, 0}, {}, {}}, {{2, 0, 0}, {}, {}}, {{2, 0, 4}, {}, {}}, {{-2, 0, 4}, {}, {}}};
+    wall.indices = {0, 1, 2, 0, 2, 3};
+    ground.vertices = {{{-50, -50, 0}, {}, {}}, {{50, -50, 0}, {}, {}}, {{50, 50, 0}, {}, {}}, {{-50, 50, 0}, {}, {}}};
+    ground.indices = {0, 1, 2, 0, 2, 3};
+    scene.geometries = {wall, ground};
+    scene.meshes = {{{0, 0}}, {{1, 0}}};
+    const GlbTransform beside = {1, 0, 0, 0, 1, 0, 0, 0, 1, 8, 5, 0};
+    const GlbTransform turned = {0, 1, 0, -1, 0, 0, 0, 0, 1, -8, 5, 0};
+    const GlbTransform still = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+    scene.draws = {{0, {beside, turned}}, {1, {still}}};
+    return scene;
+}
+
+TEST(SkyReference, InstancesGiveThePictureOfTheirTrianglesSpelledOut) {
+    const GlbScene scene = scene_of_instances();
+    auto spelled = ground_and_wall(50, 0, 0.5F);
+    add_quad(spelled, {{{6, 5, 0}, {10, 5, 0}, {10, 5, 4}, {6, 5, 4}}}, 0.5F);
+    add_quad(spelled, {{{-8, 3, 0}, {-8, 7, 0}, {-8, 7, 4}, {-8, 3, 4}}}, 0.5F);
+    const auto sky = uneven_sky();
+    const ReferenceLight light{&sky, &sky, eastern_sun()};
+    const Camera camera = camera_at(1001, 1985, 6, 4, -11, 48, 32);
+    const auto instanced = SkyReference::create(scene, {0.5F, 0.5F, 0.5F});
+    ASSERT_TRUE(instanced) << instanced.error().text();
+    EXPECT_EQ(instanced->triangles(), 6u);
+    const auto picture = instanced->draw(camera, light, {.across = 4});
+    const auto expected = reference_of(spelled, scene.origin).draw(camera, light, {.across = 4});
+    EXPECT_EQ(picture.surface, expected.surface);
+    size_t differ = 0;
+    for (size_t i = 0; i < picture.pixels.size(); ++i) {
+        for (size_t c = 0; c < 3; ++c)
+            differ += std::abs(picture.pixels[i][c] - expected.pixels[i][c]) > 0.02F * expected.pixels[i][c] ? 1 : 0;
+    }
+    EXPECT_LE(differ, picture.pixels.size() / 100) << "rays that only just meet an edge";
+    EXPECT_FALSE(std::all_of(picture.pixels.begin(), picture.pixels.end(),
+                             [&](const Rgb& pixel) { return pixel == picture.pixels[0]; }));
+}
+
 TEST(SkyReference, ShownPicturesFollowTheToneCurve) {
     const auto image = shown_picture({2, 1, {{0, 0.25F, 1e9F}, {0.5F, 0.5F, 0.5F}}, {1, 1}}, 0.5);
     EXPECT_EQ(image.rgba[0], 0);
@@ -174,4 +269,4 @@ TEST(SkyReference, ShownPicturesFollowTheToneCurve) {
 }
 
 }  // namespace
-}  // namespace citystream::bench
+}  // namespace citystream::client
