@@ -34,6 +34,10 @@ void between_passes(VkCommandBuffer commands) {
                    VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
 }
 
+uint64_t aligned_bytes(const codec::radiance::BtfShape& shape) {
+    return (4 * shape.words() + kAlignment - 1) / kAlignment * kAlignment;
+}
+
 /// Of btf_mip.comp.glsl, for mip >= 1.
 uint32_t mip_groups(const codec::radiance::BtfShape& shape, uint32_t mip) {
     const uint32_t side = shape.patch() >> mip, texels = side * side;
@@ -77,11 +81,16 @@ Status BtfStore::plan(std::span<const ReliefMap> maps) {
     return Done{};
 }
 
+uint64_t BtfStore::bytes_of(const ReliefMap& map) const {
+    const auto shape = codec::radiance::btf_shape(options_, !map.is_opaque);
+    return shape && map.caster < FACADE_RENDERER_COUNT ? aligned_bytes(*shape) : 0;
+}
+
 bool BtfStore::make(const ReliefMap& map) {
     if (map.caster >= FACADE_RENDERER_COUNT || masks_.mask_of(map.map) == kNoLayer) return false;
     const auto shape = codec::radiance::btf_shape(options_, !map.is_opaque);
     if (!shape) return false;
-    const uint64_t bytes = (4 * shape->words() + kAlignment - 1) / kAlignment * kAlignment;
+    const uint64_t bytes = aligned_bytes(*shape);
     if (bytes > budget_bytes_) return false;
     std::optional<uint64_t> begin = gap_for(bytes);
     while (!begin && drop_oldest()) begin = gap_for(bytes);

@@ -48,6 +48,10 @@ class BtfStore {
     /// Before a map's layer is destroyed or its words are replaced.
     void forget(LayerId map);
 
+    /// What the map's BTF takes of the budget; 0: it cannot have one.
+    uint64_t bytes_of(const ReliefMap& map) const;
+    uint64_t budget_bytes() const { return budget_bytes_; }
+
     BtfCounts counts() const;
     /// That holds the BTFs; nothing before there is one.
     const Buffer& buffer() const { return buffer_; }

@@ -69,8 +69,8 @@ Status FrameLighting::plan(const Camera& camera, std::span<const TileDraw> tiles
         layers_.push_back(tile.radiance);
         if (relief && has_facades(tile)) with_local_.push_back(tile.radiance);
     }
-    std::ranges::sort(layers_);
-    layers_.erase(std::ranges::unique(layers_).begin(), layers_.end());
+    std::sort(layers_.begin(), layers_.end());
+    layers_.erase(std::unique(layers_.begin(), layers_.end()), layers_.end());
     if (const Status status = passes_.plan(layers_, with_local_); !status) return status.error();
     const bool is_up = sun_ && sun_->direction[2] > 0 && luminance(sun_->irradiance) > 0;
     constants_.cascades = is_up ? SHADOW_CASCADES : 0;

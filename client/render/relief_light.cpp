@@ -94,7 +94,28 @@ void ReliefLight::want(const Camera& camera, const TileDraw& tile, std::span<con
         wanted.map = {layer, *caster, facts[layer].slots, facts[layer].is_opaque};
         wanted.mask |= pixels.most > RELIEF_CAST_PIXELS / 2 * patch;
         wanted.btf |= pixels.least < RELIEF_CAST_PIXELS * patch;
+        wanted.pixels = std::max(wanted.pixels, pixels.most);
     }
+}
+
+// The largest first, of BTFs no more than there is room for: for others no mask is made in vain. Those that are there
+// come before, so that maps of one size do not take turns.
+std::vector<ReliefLight::Wanted> ReliefLight::wanted_with_room() const {
+    std::vector<Wanted> wanted;
+    for (const auto& [layer, entry] : wanted_) wanted.push_back(entry);
+    const auto before = [&](const Wanted& a, const Wanted& b) {
+        const bool a_is_there = !btfs_.is_missing(a.map.map), b_is_there = !btfs_.is_missing(b.map.map);
+        return a_is_there != b_is_there ? a_is_there : a.pixels > b.pixels;
+    };
+    std::ranges::stable_sort(wanted, before);
+    uint64_t bytes = 0;
+    for (Wanted& entry : wanted) {
+        if (!entry.btf) continue;
+        const uint64_t more = btfs_.bytes_of(entry.map);
+        entry.btf = more != 0 && more <= btfs_.budget_bytes() - bytes;
+        if (entry.btf) bytes += more;
+    }
+    return wanted;
 }
 
 Status ReliefLight::plan(const Camera& camera, std::span<const TileDraw> tiles, std::span<const FacadeMapFacts> facts,
@@ -105,8 +126,8 @@ Status ReliefLight::plan(const Camera& camera, std::span<const TileDraw> tiles, 
         if (has_facades(tile) && lighting.local_light(tile.radiance) != kNoLayer) want(camera, tile, facts, height);
     }
     std::vector<ReliefMap> with_mask, with_btf;
-    for (const auto& [layer, wanted] : wanted_) {
-        const bool makes_btf = wanted.btf && btfs_.is_missing(layer);
+    for (const Wanted& wanted : wanted_with_room()) {
+        const bool makes_btf = wanted.btf && btfs_.is_missing(wanted.map.map);
         if (wanted.mask || makes_btf) with_mask.push_back(wanted.map);
         if (wanted.btf) with_btf.push_back(wanted.map);
     }

@@ -74,8 +74,10 @@ class ReliefLight {
     struct Wanted {
         ReliefMap map;
         bool mask = false, btf = false;
+        double pixels = 0;  ///< of the largest wall that shows it
     };
     void want(const Camera& camera, const TileDraw& tile, std::span<const FacadeMapFacts> facts, uint32_t height);
+    std::vector<Wanted> wanted_with_room() const;
 
     FacadeRenderer renderer_;
     codec::radiance::BtfOptions btf_options_;

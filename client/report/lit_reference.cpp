@@ -26,8 +26,10 @@ FrameImage box_filtered(const FrameImage& image, uint32_t n) {
         for (uint32_t x = 0; x < out.width; ++x) {
             for (uint32_t c = 0; c < 4; ++c) {
                 uint32_t sum = 0;
-                for (uint32_t i = 0; i < n * n; ++i)
-                    sum += image.rgba[4 * (size_t{y * n + i / n} * image.width + x * n + i % n) + c];
+                for (uint32_t row = y * n; row < (y + 1) * n; ++row) {
+                    for (uint32_t column = x * n; column < (x + 1) * n; ++column)
+                        sum += image.rgba[4 * (size_t{row} * image.width + column) + c];
+                }
                 out.rgba.push_back(static_cast<uint8_t>((sum + n * n / 2) / (n * n)));
             }
         }

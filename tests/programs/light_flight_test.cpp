@@ -94,6 +94,25 @@ TEST(LightFlight, PicturesFollowTheHourAndBothFormsOfTheMatrixShowTheSame) {
     EXPECT_NE(noon, frame({"--hour", "19"}, "evening"));
 }
 
+TEST(LightFlight, ReliefShadesItselfWhereThatIsAskedForWithinTheBudgetOfBtfs) {
+    const auto fly = [](const std::vector<std::string>& more, const std::string& name) {
+        std::vector<std::string> arguments = {"--environment", "sky", "--hour", "9", "--frames", city().folder / name};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return summary_of(city().fly(city().lit, arguments))["light"];
+    };
+    const Json off = fly({}, "relief_off");
+    for (const char* count : {"local_bytes_most", "masks_most", "mask_bytes_most", "btfs_most", "btf_bytes_most"})
+        EXPECT_EQ(off[count], 0) << count;
+    const Json on = fly({"--meso", "on", "--btf-budget", "4MiB"}, "relief_on");
+    EXPECT_GT(on["local_bytes_most"], 0);
+    EXPECT_GT(on["btfs_most"], 0);
+    EXPECT_LE(on["btf_bytes_most"], 4 << 20);
+    EXPECT_GE(on["masks_most"], on["btfs_most"]);
+    EXPECT_GT(on["facades_by_btf"], 0);
+    const auto frame = [](const std::string& name) { return read_file((city().folder / name) + "/frame_00001.png"); };
+    EXPECT_NE(frame("relief_on"), frame("relief_off"));
+}
+
 TEST(LightFlight, ACityWithoutTheLayerIsLitByTheSkyAndSaysSo) {
     const Outcome outcome = city().fly(city().dark, {"--environment", "sky"});
     const Json summary = summary_of(outcome);
@@ -117,6 +136,9 @@ TEST(LightFlight, WhatIsWrongWithTheLightIsOneClearLine) {
     refuse({"--light-tolerance", "0.1"}, 2, "--light-tolerance");
     refuse({"--matrix", "rows"}, 2, "--matrix");
     refuse({"--matrix-error", "0.1"}, 2, "--matrix-error");
+    refuse({"--meso", "on"}, 2, "--meso");
+    refuse({"--btf-budget", "8MiB"}, 2, "--btf-budget");
+    refuse({"--environment", "sky", "--btf-budget", "much"}, 2, "--btf-budget");
     refuse({"--environment", "sky", "--reference", "a.glb"}, 2, "--reference");
     refuse({"--environment", "/nowhere/dawn.exr"}, 1, "/nowhere/dawn.exr");
     const std::string text = city().folder / "text.exr";

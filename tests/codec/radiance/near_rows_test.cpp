@@ -28,7 +28,7 @@ uint32_t units_between(const RowBound& bound, std::span<const int> from, std::sp
 std::vector<int> dense_row(const Transfer& transfer, uint32_t row) {
     std::vector<int> dense(transfer.columns, 0);
     for (uint32_t i = transfer.row_begin[row]; i < transfer.row_begin[row + 1]; ++i)
-        dense[transfer.column[i]] = transfer.quarters[i];
+        dense[transfer.column[i]] = int{transfer.quarters[i]};
     return dense;
 }
 
