@@ -2,19 +2,16 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
-#include <optional>
 #include <string>
 
 #include "client/load/load_arguments.h"
 #include "client/load/load_report.h"
 #include "client/load/load_run.h"
-#include "client/path/frame_size.h"
-#include "client/select/relief_arguments.h"
+#include "client/select/view_options.h"
 #include "command_line/command_line.h"
 
 namespace {
@@ -31,9 +28,8 @@ std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "the signal handler sets it");
 
 struct Arguments {
-    std::string place, path, duration = "30s", ramp = "2s", size = "1280x720", network, host_budget = "1GiB",
-                             gpu_budget = "512MiB", stats, map_level = "auto";
-    std::optional<double> relief_tolerance;
+    std::string place, path, duration = "30s", ramp = "2s", network, host_budget = "1GiB", gpu_budget = "512MiB", stats;
+    client::ViewArguments view;
     client::LoadOptions options;
     bool json = false;
 };
@@ -56,8 +52,8 @@ Status interpret(Arguments& arguments) {
         if (!ramp) return Error{"--ramp: " + ramp.error().text()};
         options.ramp_seconds = *ramp;
     }
-    const auto size = client::parse_frame_size(arguments.size);
-    if (!size) return Error{"--size: " + size.error().text()};
+    const auto size = client::read_size(arguments.view);
+    if (!size) return size.error();
     options.client.width = size->width;
     options.client.height = size->height;
     const auto host = client::parse_load_bytes(arguments.host_budget);
@@ -71,9 +67,10 @@ Status interpret(Arguments& arguments) {
         if (!shape) return Error{"--network: " + shape.error().text()};
         options.client.fetcher.shape = *shape;
     }
-    const auto relief = client::parse_relief_options(arguments.map_level, arguments.relief_tolerance);
+    const auto relief = client::read_relief(arguments.view);
     if (!relief) return relief.error();
     options.client.streamer.relief = *relief;
+    options.client.streamer.tolerance_pixels = arguments.view.tolerance_pixels;
     options.client.place = arguments.place;
     return Done{};
 }
@@ -144,21 +141,10 @@ int main(int argc, char** argv) {
     app.add_option("--rate", options.updates_per_second, "Camera updates a second of each client")
         ->check(command_line::number_from(0.1, 240.0))
         ->capture_default_str();
-    app.add_option("--tolerance", options.client.streamer.tolerance_pixels,
-                   "Error on the screen that is good enough, in pixels")
-        ->check(command_line::number_from(0.01, 1000.0))
-        ->capture_default_str();
-    app.add_option("--relief-tolerance", arguments.relief_tolerance,
-                   "Facade relief that projects to fewer pixels is not fetched (default: --tolerance)")
-        ->check(command_line::number_from(0.01, 1000.0));
+    client::add_view_options(app, arguments.view);
     app.add_option("--light-tolerance", options.client.streamer.light_tolerance,
                    "Fetch radiance layers, too, up to this relative error of their light (default: none of them)")
         ->check(command_line::number_from(0.0, 1.0));
-    app.add_option("--map-level", arguments.map_level,
-                   "Level of every facade map, 0 the coarsest; auto: as coarse as --tolerance lets it be")
-        ->capture_default_str()
-        ->check(CLI::IsMember(client::map_level_names()));
-    app.add_option("--size", arguments.size, "Picture size that clients select for")->capture_default_str();
     app.add_option("--network", arguments.network, "Shape each client's link, as 5mbit,38ms");
     app.add_option("--connections", options.client.fetcher.connections, "Connections of each client")
         ->check(command_line::number_from(1, 64))

@@ -35,6 +35,11 @@ inline CLI::Validator word_or(const std::string& word, const CLI::Validator& oth
     return CLI::Validator(fault, both);
 }
 
+/// What has a name: "" is as if the option were not there, which nobody means who types it.
+inline CLI::Validator not_empty() {
+    return CLI::Validator([](std::string& text) { return text.empty() ? std::string("empty") : std::string(); }, "");
+}
+
 /// The program's name as it was called, without its folder.
 inline std::string program_name(const CLI::App& app) {
     return std::filesystem::path(app.get_name()).filename().string();

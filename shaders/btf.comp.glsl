@@ -5,15 +5,10 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 
-#include "client/render/relief_passes_layout.h"
 #include "codec/facade/facade_layout.h"
-#include "shaders/btf.glsl"
+#include "shaders/btf_words.glsl"
 #include "shaders/facade_cast.glsl"
 #include "shaders/relief_mask.glsl"
-
-layout(local_size_x = BTF_GROUP) in;
-layout(push_constant) uniform Constants { BtfPassConstants constants; };
-layout(buffer_reference, std430, buffer_reference_align = 4) writeonly buffer BtfWords { uint word[]; };
 
 const uint kNothing = 0xffffffffu;
 
@@ -22,11 +17,6 @@ shared uint met[BTF_GROUP];
 shared uvec2 bits[BTF_GROUP];
 shared uint ray_light[BTF_GROUP];
 shared uint weights[RELIEF_FACES * RELIEF_MASK_FACE_WORDS];
-
-void write_word(uint index, uint value) {
-    uvec2 btf = layer_reference(constants.btf);
-    BtfWords(uvec2(btf.x ^ LAYER_REF_DIRECT, btf.y)).word[index] = value;
-}
 
 // What lies straight behind a place of the plane w = 0.
 FacadeHit behind(FacadeMap map, vec3 origin) {
@@ -65,7 +55,7 @@ void cast_ray(FacadeMap map, vec3 origin, vec3 to_viewer, uint ray) {
     ReliefShares shares = relief_shares(relief_mask(layer_reference(constants.mask)), at, hit.label, hit.axis, hit.side);
     uint best = 0u;
     for (uint k = 1u; k < 4u; ++k) best = shares.share[k] > shares.share[best] ? k : best;
-    bits[ray] = shares.bits[best];
+    bits[ray] = shares.open > shares.share[best] ? uvec2(~0u) : shares.bits[best];
     uint sum = 0u;
     for (uint i = 0u; i < uint(RELIEF_DIRECTIONS); ++i) sum += is_free(ray, i) ? weight_of(face, i) : 0u;
     ray_light[ray] = (sum >> 4) + 1u;
@@ -95,8 +85,6 @@ uvec4 slot_sum(uint texel, uint four, out uint all_light) {
     return sum;
 }
 
-uint packed(uvec4 bytes) { return bytes.x | bytes.y << 8 | bytes.z << 16 | bytes.w << 24; }
-
 uint hits_of(uint texel) {
     uint hits = 0u;
     for (uint r = 0u; r < uint(BTF_RAYS); ++r) hits += met[texel * uint(BTF_RAYS) + r] != kNothing ? 1u : 0u;
@@ -106,6 +94,7 @@ uint hits_of(uint texel) {
 void main() {
     uint group = gl_WorkGroupID.y * uint(RELIEF_PASS_ROW_GROUPS) + gl_WorkGroupID.x;
     if (group >= constants.groups) return;
+    group += constants.first_group;
     Btf btf = btf_at(layer_reference(constants.btf));
     FacadeMap map = facade_map(layer_reference(constants.map));
     uint groups_a_view = (1u << (2u * btf.patch_log2)) / uint(BTF_GROUP_TEXELS);

@@ -195,6 +195,22 @@ float btf_mean_cosine(Btf btf, uint direction) {
     return float(layer_word(btf.layer, uint(BTF_DIRECTION_TABLE + 3) + uint(BTF_DIRECTION_WORDS) * direction) & 0xffffu) * (1.0 / 65536.0);
 }
 
+// How much of a uniform sky's light is turned to the viewer, of what a plain wall without relief turns.
+float btf_openness(Btf btf, BtfPlace place) {
+    float shown = 0.0;
+    float plain = 0.0;
+    for (uint group = 0u; group < 4u; ++group) {
+        BtfSixteen values = btf_values(btf, place, group);
+        for (uint i = 0u; i < 16u; ++i) {
+            uint word = layer_word(btf.layer, uint(BTF_DIRECTION_TABLE + 3) + uint(BTF_DIRECTION_WORDS) * (16u * group + i));
+            float share = float(word >> 16);
+            shown += share * values.four[i >> 2][i & 3u];
+            plain += share * float(word & 0xffffu) * (1.0 / 65536.0);
+        }
+    }
+    return shown / plain;
+}
+
 // What takes the place of the cosine for the sun: a plain wall's is that to its normal. The light directions around the sun are interpolated as views
 // are. `to_sun`: along (u, v, w), unit.
 float btf_sun_cosine(Btf btf, BtfPlace place, vec3 to_sun) {

@@ -4,17 +4,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 
-#include "client/render/relief_passes_layout.h"
-#include "shaders/btf.glsl"
-
-layout(local_size_x = BTF_GROUP) in;
-layout(push_constant) uniform Constants { BtfPassConstants constants; };
-layout(buffer_reference, std430, buffer_reference_align = 4) writeonly buffer BtfWords { uint word[]; };
-
-void write_word(uint index, uint value) {
-    uvec2 btf = layer_reference(constants.btf);
-    BtfWords(uvec2(btf.x ^ LAYER_REF_DIRECT, btf.y)).word[index] = value;
-}
+#include "shaders/btf_words.glsl"
 
 // First texel of a mip in its view.
 uint first_of(Btf btf, uint mip) { return ((4u << (2u * btf.patch_log2)) - (4u << (2u * (btf.patch_log2 - mip)))) / 3u; }
@@ -35,8 +25,6 @@ uint coverage_byte(Btf btf, uint record) {
 uint record_word(Btf btf, uint record, uint word) { return layer_word(btf.layer, btf.records + record * uint(BTF_RECORD_WORDS) + word); }
 
 uvec4 bytes_of(uint word) { return uvec4(word, word >> 8, word >> 16, word >> 24) & 255u; }
-
-uint packed(uvec4 bytes) { return bytes.x | bytes.y << 8 | bytes.z << 16 | bytes.w << 24; }
 
 // Rounded up from a half or from three quarters in turns: the mean of many stays as it is.
 uvec4 mean_light(Btf btf, uvec4 finer, uint word) {

@@ -118,24 +118,23 @@ vec3 btf_albedo(Btf btf, BtfPlace place, vec2 at, vec2 dx, vec2 dy) {
     return sum;
 }
 
-// The BTF's light, or the mean colour's, or a blend: `wall_pixels` decides.
-vec3 quad_light(Btf btf, BtfPlace place, ReliefDraw draw, vec2 at, vec2 dx, vec2 dy, float wall_pixels) {
+vec3 seen_along_wall(vec3 direction) { return vec3(dot(direction.xy, along), direction.z, dot(direction, wall_outwards())); }
+
+// The BTF's light, direction by direction: wall_light is gathered.
+vec3 detailed_light(Btf btf, BtfPlace place, float sun) {
+    LightRecord record = light_record();
+    vec3 light = light_vec3(record.light.sky) * btf_light(btf, place);
+    if (sun > 0.0) light += light_vec3(record.light.sun) * (sun * btf_sun_cosine(btf, place, seen_along_wall(light_vec3(record.light.to_sun))));
+    return light;
+}
+
+// The wall's irradiance, less what the relief hides of an even sky on the whole wall, and what it hides of the sun.
+vec3 mean_light_of_wall(Btf btf, BtfPlace whole, ReliefDraw draw, vec2 at, float sun) {
     LightRecord record = light_record();
     vec3 outwards = wall_outwards();
-    float sun = kSun ? sun_on_wall(record, vec3(at, 0.0)) : 0.0;
-    vec3 to_sun = light_vec3(record.light.to_sun);
-    vec3 seen_sun = vec3(dot(to_sun.xy, along), to_sun.z, dot(to_sun, outwards));
-    float detail = clamp(2.0 * wall_pixels / RELIEF_WALL_PIXELS - 1.0, 0.0, 1.0);
-    vec3 light = vec3(0.0);
-    if (detail > 0.0) {
-        light = light_vec3(record.light.sky) * btf_light(btf, place);
-        if (sun > 0.0) light += light_vec3(record.light.sun) * (sun * btf_sun_cosine(btf, place, seen_sun));
-    }
-    if (detail < 1.0) {
-        vec3 flat_light = sky_light(draw.radiance, place_in_tile(vec3(at, 0.0)), outwards, outwards) + sun_light(record, outwards, sun);
-        light = mix(flat_light, light, detail);
-    }
-    return btf_albedo(btf, place, at, dx, dy) * light;
+    vec3 light = sky_light(draw.radiance, place_in_tile(vec3(at, 0.0)), outwards, outwards) * btf_openness(btf, whole);
+    if (sun > 0.0) light += light_vec3(record.light.sun) * (sun * btf_sun_cosine(btf, whole, seen_along_wall(light_vec3(record.light.to_sun))));
+    return light;
 }
 
 // `ray` from the camera at t = -1 to the pixel's place at t = 0, which is at distance `reach`.
@@ -157,14 +156,24 @@ FacadeQuad facade_quad(FacadeMap map, vec3 ray, float reach, vec3 ray_dx, vec3 r
     float wall_pixels = max(wall_metres_across.x, wall_metres_across.y) / (length(wall_metres(right)) * distance);
     float texel_pixels = wall_pixels / float(1u << btf.patch_log2);
     float share = clamp(2.0 - texel_pixels * (2.0 / RELIEF_CAST_PIXELS), 0.0, 1.0);
-    if (share == 0.0 || !gather_wall_light(record.draw, place_in_tile(vec3(on_wall, 0.0)), wall_outwards())) return quad;
+    if (share == 0.0) return quad;
+    float detail = clamp(2.0 * wall_pixels / RELIEF_WALL_PIXELS - 1.0, 0.0, 1.0);
+    if (detail > 0.0 && !gather_wall_light(record.draw, place_in_tile(vec3(on_wall, 0.0)), wall_outwards())) return quad;
     // A texel of the mip covers a pixel or more.
     uint mip = uint(clamp(-log2(texel_pixels), 0.0, float(btf.patch_log2)));
-    BtfPlace where = btf_place(btf, on_wall / size, wall_metres(-ray), mip);
+    vec3 to_viewer = wall_metres(-ray);
+    BtfPlace where = btf_place(btf, on_wall / size, to_viewer, mip);
     if (btf_coverage(btf, where) < 0.5) return quad;
+    float sun = kSun ? sun_on_wall(light_record(), vec3(on_wall, 0.0)) : 0.0;
+    vec3 light = detail > 0.0 ? detailed_light(btf, where, sun) : vec3(0.0);
+    if (detail < 1.0) {
+        BtfPlace whole = btf_place(btf, vec2(0.5), to_viewer, btf.patch_log2);
+        light = mix(mean_light_of_wall(btf, whole, record.draw, on_wall, sun), light, detail);
+    }
     float t = 1.0 + quad.t;
+    vec3 albedo = btf_albedo(btf, where, on_wall, hit_gradient(ray, ray_dx, 2, t).xy, hit_gradient(ray, ray_dy, 2, t).xy);
     quad.share = share;
-    quad.light = quad_light(btf, where, record.draw, on_wall, hit_gradient(ray, ray_dx, 2, t).xy, hit_gradient(ray, ray_dy, 2, t).xy, wall_pixels);
+    quad.light = albedo * light;
     return quad;
 }
 

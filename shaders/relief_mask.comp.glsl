@@ -1,5 +1,5 @@
 #version 460
-// Makes the relief mask of a facade map (codec/radiance/relief_mask.h), a workgroup a mask texel, a thread a direction. Compiled for each facade renderer.
+// Makes the relief mask of a facade map (codec/radiance/relief_mask.h), a workgroup a surface, a thread a direction. Compiled for each facade renderer.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
@@ -11,11 +11,7 @@ layout(local_size_x = RELIEF_MASK_GROUP) in;
 layout(push_constant) uniform Constants { ReliefMaskPassConstants constants; };
 layout(buffer_reference, std430, buffer_reference_align = 4) writeonly buffer MaskWords { uint word[]; };
 
-shared uint label;
 shared uint hidden[2];
-
-// The map's texel from whose middle the rays of mask texel i start, along an axis with `size` texels.
-uint relief_middle(uint i, uint log2_side, uint size) { return min((i << log2_side) + ((1u << log2_side) >> 1), size - 1u); }
 
 // Direction j in facade space, of any length.
 vec3 relief_direction(uvec2 mask, uint j) {
@@ -43,23 +39,20 @@ void write_word(uvec2 layer, uint index, uint value) {
 }
 
 void main() {
-    uint texel = gl_WorkGroupID.y * uint(RELIEF_PASS_ROW_GROUPS) + gl_WorkGroupID.x;
-    if (texel >= constants.texels) return;
+    uint surface = gl_WorkGroupID.y * uint(RELIEF_PASS_ROW_GROUPS) + gl_WorkGroupID.x;
+    if (surface >= constants.surfaces) return;
     FacadeMap map = facade_map(layer_reference(constants.map));
     uvec2 mask = layer_reference(constants.mask);
-    uint log2_side = layer_word(mask, uint(RELIEF_MASK_WORD_SIDE));
-    uint across = ((map_width(map) - 1u) >> log2_side) + 1u;
-    uvec2 middle = uvec2(relief_middle(texel % across, log2_side, map_width(map)), relief_middle(texel / across, log2_side, map_height(map)));
+    uint word = constants.first_word + surface * uint(RELIEF_MASK_SURFACE_WORDS);
+    uint start = layer_word(mask, word);
+    uint label = layer_word(mask, word + 2u);
     uint direction = gl_LocalInvocationID.x;
-    if (direction == 0u) {
-        // Of a map that is not this caster's nothing is known.
-        label = facade_form_is_known(map) ? facade_label(map, middle.x, middle.y) : uint(FACADE_OPEN_DISPLACEMENT) & 0xffffu;
-        hidden[0] = hidden[1] = 0u;
-    }
+    if (direction == 0u) hidden[0] = hidden[1] = 0u;
     barrier();
-    if (!label_is_open(label) && !relief_is_free(map, middle, label, relief_direction(mask, direction)))
+    uvec2 texel = uvec2(start & 0xffffu, start >> 16);
+    // Of a map that is not this caster's nothing is known.
+    if (facade_form_is_known(map) && !label_is_open(label) && !relief_is_free(map, texel, label, relief_direction(mask, direction)))
         atomicOr(hidden[direction >> 5], 1u << (direction & 31u));
     barrier();
-    if (direction < 2u) write_word(mask, uint(RELIEF_MASK_TEXELS) + texel * uint(RELIEF_MASK_TEXEL_WORDS) + direction, ~hidden[direction]);
-    if (direction == 2u) write_word(mask, uint(RELIEF_MASK_TEXELS) + texel * uint(RELIEF_MASK_TEXEL_WORDS) + 2u, label);
+    if (direction < 2u) write_word(mask, word + direction, ~hidden[direction]);
 }

@@ -13,10 +13,11 @@ struct ReliefMask {
     float side;  // of a mask texel, texels of the map
 };
 
-// Masks around a point, and how much each counts: shares add up to 1.
+// Masks around a point, and how much each counts: shares add up to 1 with `open`, to which all directions are free.
 struct ReliefShares {
     uvec2 bits[4];
     float share[4];
+    float open;
 };
 
 ReliefMask relief_mask(uvec2 layer) {
@@ -31,6 +32,31 @@ uint relief_face(int axis, float side) {
     return uint(axis == 0 ? RELIEF_FACE_RIGHT : RELIEF_FACE_UPPER) + (side < 0.0 ? 1u : 0u);
 }
 
+// Of a mask texel's surfaces a point's own, else the one next in depth.
+struct ReliefSurface {
+    uint word;
+    bool is_own;
+    float depth;  // millimetres
+    float away;   // in depth from the point, millimetres
+};
+
+ReliefSurface next_surface(ReliefMask mask, uint texel, float depth, bool is_front) {
+    uint word = layer_word(mask.layer, uint(RELIEF_MASK_TEXELS) + texel);
+    uint count = word >> uint(RELIEF_MASK_COUNT_SHIFT);
+    uint first = word & ((1u << uint(RELIEF_MASK_COUNT_SHIFT)) - 1u);
+    uint surface = uint(RELIEF_MASK_TEXELS) + mask.across * mask.up + first * uint(RELIEF_MASK_SURFACE_WORDS);
+    ReliefSurface next = ReliefSurface(surface, false, 0.0, 0.0);
+    for (uint i = 0u; i < count; ++i) {
+        float here = label_depth(layer_word(mask.layer, surface + 2u));
+        bool is_own = is_front ? here == depth : here < depth;
+        float away = abs(here - depth);
+        bool is_better = is_own != next.is_own ? is_own : away < next.away;
+        if (i == 0u || is_better) next = ReliefSurface(surface, is_own, here, away);
+        surface += uint(RELIEF_MASK_SURFACE_WORDS);
+    }
+    return next;
+}
+
 // `at`: point of the relief in facade space; `label`, `axis`, `side`: of the hit there.
 ReliefShares relief_shares(ReliefMask mask, vec3 at, uint label, int axis, float side) {
     bool is_front = axis == 2;
@@ -42,6 +68,7 @@ ReliefShares relief_shares(ReliefMask mask, vec3 at, uint label, int axis, float
     vec2 part = grid - low;
     float depth = is_front ? label_depth(label) : at.z;
     ReliefShares shares;
+    float depths[4];
     float sum = 0.0;
     float nearest = kNever;
     float nearest_share = 0.0;
@@ -51,14 +78,13 @@ ReliefShares relief_shares(ReliefMask mask, vec3 at, uint label, int axis, float
         bool above = (k & 2u) != 0u;
         uint x = uint(clamp(low.x + (right ? 1.0 : 0.0), 0.0, float(mask.across - 1u)));
         uint y = uint(clamp(low.y + (above ? 1.0 : 0.0), 0.0, float(mask.up - 1u)));
-        uint word = uint(RELIEF_MASK_TEXELS) + (y * mask.across + x) * uint(RELIEF_MASK_TEXEL_WORDS);
-        shares.bits[k] = uvec2(layer_word(mask.layer, word), layer_word(mask.layer, word + 1u));
-        float here = label_depth(layer_word(mask.layer, word + 2u));
         float share = (right ? part.x : 1.0 - part.x) * (above ? part.y : 1.0 - part.y);
-        bool is_own = is_front ? here == depth : here < depth;
-        shares.share[k] = is_own ? share : 0.0;
+        ReliefSurface next = next_surface(mask, y * mask.across + x, depth, is_front);
+        float away = next.away;
+        depths[k] = next.depth;
+        shares.bits[k] = uvec2(layer_word(mask.layer, next.word), layer_word(mask.layer, next.word + 1u));
+        shares.share[k] = next.is_own ? share : 0.0;
         sum += shares.share[k];
-        float away = abs(here - depth);
         if (away < nearest || (away == nearest && share > nearest_share)) {
             nearest = away;
             nearest_share = share;
@@ -69,6 +95,13 @@ ReliefShares relief_shares(ReliefMask mask, vec3 at, uint label, int axis, float
         float alone = k == best ? 1.0 : 0.0;
         shares.share[k] = sum > 0.0 ? shares.share[k] / sum : alone;
     }
+    shares.open = 0.0;
+    if (is_front) return shares;
+    float foot = 0.0;
+    for (uint k = 0u; k < 4u; ++k) foot += shares.share[k] * depths[k];
+    float edge = label_depth(label);
+    if (edge > foot) shares.open = clamp((at.z - foot) / (edge - foot), 0.0, 1.0);
+    for (uint k = 0u; k < 4u; ++k) shares.share[k] *= 1.0 - shares.open;
     return shares;
 }
 

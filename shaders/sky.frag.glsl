@@ -15,9 +15,10 @@ layout(location = 0) out vec4 colour;
 void main() {
     LightRecord record = LightRecord(uvec2(sky.light[0], sky.light[1]));
     vec3 light = environment_light(record, ray);
-    // A pixel at the disc's rim shows the part of it that is covered.
+    // A pixel at the disc's rim shows the part of it that is covered, and nothing of it is seen through the ground.
     float off = distance(normalize(ray), light_vec3(record.light.to_sun));
     float covered = (record.light.disc_radius - off) * length(ray) / sky.pixel + 0.5;
+    covered = min(covered, ray.z / sky.pixel + 0.5);
     light += light_vec3(record.light.disc) * clamp(covered, 0.0, 1.0);
     colour = vec4(shown_light(light), 1.0);
 }

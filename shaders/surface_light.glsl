@@ -29,6 +29,9 @@ vec3 open_sky_ratio(LightRecord record, vec3 n, vec3 other) {
     return min(open_sky_light(record, n) / max(open_sky_light(record, normalize(other)), vec3(least)), vec3(most));
 }
 
+// Receivers may be those of an ancestor of the tile.
+vec3 place_among_receivers(RadianceDraw draw, vec3 place) { return place + vec3(draw.offset[0], draw.offset[1], draw.offset[2]); }
+
 // Shown light of a white surface. `place`: grid units from the tile's origin; `face`: normal of the surface, any length;
 // `normal`: unit normal that it is shaded by.
 vec3 sky_light(RadianceDraw draw, vec3 place, vec3 face, vec3 normal) {
@@ -37,7 +40,7 @@ vec3 sky_light(RadianceDraw draw, vec3 place, vec3 face, vec3 normal) {
     vec3 sum = vec3(0.0);
     if (kReceivers) {
         uvec2 layer = layer_reference(draw.layer);
-        ReceiverShares shares = receiver_shares(layer, place, face);
+        ReceiverShares shares = receiver_shares(layer, place_among_receivers(draw, place), face);
         if (shares.found) {
             // Irradiance follows the receivers' own words (codec/radiance/radiance_layer.h).
             uvec4 header = layer_words4(layer, 0u);

@@ -27,4 +27,5 @@ void main() {
     target.word[to + 80u] = floatBitsToUint(btf_coverage(btf, place));
     target.word[to + 81u] = floatBitsToUint(btf_sun_cosine(btf, place, input_vector(from + 5u)));
     target.word[to + 82u] = btf.slots;
+    target.word[to + 83u] = floatBitsToUint(btf_openness(btf, place));
 }

@@ -9,7 +9,7 @@
 
 // How free a direction is, 0..1.
 float relief_free(ReliefShares shares, uint direction) {
-    float sum = 0.0;
+    float sum = shares.open;
     for (uint k = 0u; k < 4u; ++k) {
         uint half_bits = direction < 32u ? shares.bits[k].x : shares.bits[k].y;
         sum += (half_bits >> (direction & 31u) & 1u) != 0u ? shares.share[k] : 0.0;

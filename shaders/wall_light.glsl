@@ -27,7 +27,7 @@ vec3 local_light(uint word) {
 
 // Sets wall_light for a point of a wall: grid units from the tile's origin. False: its own receivers are not there.
 bool gather_wall_light(ReliefDraw draw, vec3 place, vec3 outwards) {
-    ReceiverShares shares = receiver_shares(layer_reference(draw.radiance.layer), place, outwards);
+    ReceiverShares shares = receiver_shares(layer_reference(draw.radiance.layer), place_among_receivers(draw.radiance, place), outwards);
     if (!shares.found || !shares.own_surface || draw.local_receivers == 0u) return false;
     uvec2 local = layer_reference(draw.local);
     for (uint group = 0u; group < uint(LOCAL_LIGHT_DIRECTIONS / 4); ++group) {
@@ -51,7 +51,7 @@ vec3 masked_light(ReliefMask mask, ReliefShares shares, uint face, bool nearest)
         for (int k = 0; k < 4; ++k) {
             if (share[k] != most) continue;
             share = vec4(0.0);
-            share[k] = 1.0;
+            share[k] = 1.0 - shares.open;
             break;
         }
     }
@@ -60,7 +60,7 @@ vec3 masked_light(ReliefMask mask, ReliefShares shares, uint face, bool nearest)
         uvec4 bits = uvec4(shares.bits[0][part], shares.bits[1][part], shares.bits[2][part], shares.bits[3][part]);
         for (uint i = 0u; i < 32u; ++i) {
             uint direction = 32u * part + i;
-            float free = dot(vec4(bits >> i & 1u), share);
+            float free = shares.open + dot(vec4(bits >> i & 1u), share);
             if (face != uint(RELIEF_FACE_FRONT)) {
                 if (free == 0.0) continue;
                 free *= relief_weight(mask, face, direction) / relief_weight(mask, uint(RELIEF_FACE_FRONT), direction);

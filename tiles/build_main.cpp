@@ -57,6 +57,7 @@ struct Arguments {
     std::optional<std::string> page_mips, page_shape;               ///< of pages; not given: what BuildOptions has
     std::optional<uint32_t> lattice, directions, local_directions;  ///< of radiance; not given: what BuildOptions has
     std::optional<double> radiance_error;
+    std::optional<std::string> radiance_transport;
     bool rebake = false;
     bool json = false;
 };
@@ -238,6 +239,8 @@ nlohmann::json work_json(const layers::BuildSummary& summary) {
         out["radiance"] = {{"tiles", r.tiles},
                            {"baked", r.baked},
                            {"reused", r.reused},
+                           {"recoded", r.recoded},
+                           {"transport", codec::radiance::name_of(r.transport)},
                            {"widened", r.widened},
                            {"left_out", r.left_out},
                            {"receivers_baked", r.receivers},
@@ -397,14 +400,18 @@ Status read_radiance_form(const Arguments& arguments, layers::BuildOptions& opti
     form.texels_across = arguments.directions.value_or(form.texels_across);
     form.local_across = arguments.local_directions.value_or(form.local_across);
     form.error = arguments.radiance_error.value_or(form.error);
+    if (arguments.radiance_transport)
+        form.transport = named<codec::radiance::RadianceTransport>(codec::radiance::kRadianceTransportNames,
+                                                                   *arguments.radiance_transport);
     form.reuse = !arguments.rebake;
     if (!asked) {
-        const char* given = arguments.lattice            ? "--lattice"
-                            : arguments.directions       ? "--directions"
-                            : arguments.local_directions ? "--local-directions"
-                            : arguments.radiance_error   ? "--radiance-error"
-                            : arguments.rebake           ? "--rebake"
-                                                         : nullptr;
+        const char* given = arguments.lattice              ? "--lattice"
+                            : arguments.directions         ? "--directions"
+                            : arguments.local_directions   ? "--local-directions"
+                            : arguments.radiance_error     ? "--radiance-error"
+                            : arguments.radiance_transport ? "--radiance-transport"
+                            : arguments.rebake             ? "--rebake"
+                                                           : nullptr;
         if (given == nullptr) return Done{};
         return Error{fmt::format("{} is of the layer radiance: add it to --layers", given)};
     }
@@ -557,6 +564,11 @@ void add_radiance_options(CLI::App& app, Arguments& arguments) {
            "part of an even sky's light that each place may get wrong, for fewer bytes: what a lone ray sees is "
            "taken for what those around it see [default: 0]")
         ->check(command_line::number_from(0.0, 1.0));
+    app.add_option(
+           "--radiance-transport", arguments.radiance_transport,
+           "how what places see travels: visibility (smallest, refined in steps), or as the matrix that clients "
+           "make of it: biclusters (no search at arrival), distinct-rows, rows [default: visibility]")
+        ->check(one_of(codec::radiance::kRadianceTransportNames));
     app.add_flag("--rebake", arguments.rebake,
                  "take nothing from the archive that is replaced (tiles whose surroundings did not change are copied "
                  "from it; the bytes are the same)");

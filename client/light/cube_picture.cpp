@@ -10,7 +10,7 @@ namespace citystream::client {
 CubePicture::CubePicture(uint32_t side, std::span<const Place> places)
     : side_(side), places_(places.begin(), places.end()) {}
 
-std::optional<CubePicture> CubePicture::of_size(uint32_t width, uint32_t height) {
+std::optional<CubePicture> CubePicture::of_size(uint32_t width, uint32_t height, CubeAxes axes) {
     struct Shape {
         uint32_t columns, rows;
         std::array<Place, codec::radiance::kCubeFaces> places;
@@ -21,7 +21,11 @@ std::optional<CubePicture> CubePicture::of_size(uint32_t width, uint32_t height)
         {4, 3, {{{2, 1}, {0, 1}, {1, 0}, {1, 2}, {1, 1}, {3, 1}}}},
         {3, 4, {{{2, 1}, {0, 1}, {1, 0}, {1, 2}, {1, 1}, {1, 3, true}}}},
     }};
-    for (const Shape& shape : kShapes) {
+    // Seen from within, its x faces stand in each other's places, and up and down are half a turn on.
+    static constexpr std::array<Shape, 1> kOpenExrShapes = {
+        {{1, 6, {{{0, 1}, {0, 0}, {0, 2, true}, {0, 3, true}, {0, 4}, {0, 5}}}}}};
+    const auto shapes = axes == CubeAxes::kOpenExr ? std::span<const Shape>(kOpenExrShapes) : kShapes;
+    for (const Shape& shape : shapes) {
         const uint32_t side = width / shape.columns;
         if (side > 0 && width == side * shape.columns && height == side * shape.rows)
             return CubePicture(side, shape.places);

@@ -10,10 +10,13 @@
 
 namespace citystream::client {
 
+/// Whose axes a cube's faces have. OpenEXR's are right-handed, so that +x is to the left of +z.
+enum class CubeAxes { kOpenGl, kOpenExr };
+
 class CubePicture {
   public:
-    /// The shape that a picture of this size can have, if any.
-    static std::optional<CubePicture> of_size(uint32_t width, uint32_t height);
+    /// The shape that a picture of this size can have, if any. OpenEXR's cubes are strips of 1:6.
+    static std::optional<CubePicture> of_size(uint32_t width, uint32_t height, CubeAxes axes = CubeAxes::kOpenGl);
 
     uint32_t face_side() const { return side_; }
     /// Takes the next row of the picture, from the top: `width` texels.

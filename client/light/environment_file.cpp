@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -46,6 +47,8 @@ class PictureRows {
         rows.channels_ = spec.nchannels < 3 ? 1 : 3;
         rows.tiled_ = spec.tile_width > 0;
         rows.coded_ = !spec.format.is_floating_point();
+        const bool is_cube = spec.get_string_attribute("textureformat") == "CubeFace Environment";
+        if (is_cube && rows.input_->format_name() == std::string_view("openexr")) rows.cube_axes_ = CubeAxes::kOpenExr;
         rows.strip_ = std::min(rows.tiled_ ? static_cast<uint32_t>(spec.tile_height) : kStripRows, rows.height_);
         if (uint64_t{rows.strip_} * rows.width_ * rows.channels_ > kGreatestStripValues)
             return Error{"its tiles are too large"};
@@ -54,6 +57,7 @@ class PictureRows {
 
     uint32_t width() const { return width_; }
     uint32_t height() const { return height_; }
+    CubeAxes cube_axes() const { return cube_axes_; }
 
     /// Calls visit(row) for each row from the top.
     template <typename Visit>
@@ -83,6 +87,9 @@ class PictureRows {
         if (spec.nchannels < 1 || spec.nchannels > kMostChannels)
             return Error{std::to_string(spec.nchannels) + " channels are out of range"};
         if (spec.depth > 1 || spec.deep) return Error{"it is no flat picture"};
+        if (const int order = spec.get_int_attribute("Orientation", 1); order != 1)
+            return Error{"it is stored turned or mirrored (orientation " + std::to_string(order) +
+                         "): save it with rows from the top, each from the left"};
         if (spec.tile_width < 0 || spec.tile_height < (spec.tile_width > 0 ? 1 : 0))
             return Error{"its tiles have no size"};
         return Done{};
@@ -113,6 +120,7 @@ class PictureRows {
     std::unique_ptr<OIIO::ImageInput> input_;
     uint32_t width_ = 0, height_ = 0, channels_ = 3, strip_ = 1;
     bool tiled_ = false, coded_ = false;
+    CubeAxes cube_axes_ = CubeAxes::kOpenGl;
 };
 
 Result<EnvironmentFile> read_rows(PictureRows& rows) {
@@ -121,7 +129,7 @@ Result<EnvironmentFile> read_rows(PictureRows& rows) {
     if (rows.width() == 2 * rows.height())
         map.emplace(rows.width(), rows.height(), kGreatestMapWidth, kGreatestMapWidth / 2);
     else
-        cube = CubePicture::of_size(rows.width(), rows.height());
+        cube = CubePicture::of_size(rows.width(), rows.height(), rows.cube_axes());
     const std::string size = std::to_string(rows.width()) + " x " + std::to_string(rows.height());
     if (!map && !cube) {
         return Error{size +

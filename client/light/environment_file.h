@@ -3,7 +3,8 @@
 // What the picture shows follows from its sides: 2:1 is latitude and longitude (environment_map.h says how it lies);
 // 4:3 and 3:4 are crosses of a cube's faces, 6:1 and 1:6 strips of them in the order +x -x +y -y +z -z. Faces lie as
 // OpenGL has them, y up, +z in the middle of a cross, which is taken as north; the -z face of the upright cross hangs
-// below -y, upside down. Values are linear; 8 and 16 bit integers are taken as sRGB-coded.
+// below -y, upside down. OpenEXR files that call themselves cubes (`envmap`) have the axes of OpenEXR. Values are
+// linear; 8 and 16 bit integers are taken as sRGB-coded.
 #pragma once
 
 #include <cstdint>
@@ -42,7 +43,8 @@ inline constexpr uint64_t kGreatestFilePixels = uint64_t{1} << 28;
 inline constexpr uint32_t kGreatestFaceSide = 2048;
 
 /// Cubes become maps of 4 columns to a texel of a face's side. Error: one line that names the file if it is missing, no
-/// picture, damaged, of another shape, larger than the limits, or if no texel of it is a radiance.
+/// picture, damaged, of another shape, stored turned or mirrored, larger than the limits, or if no texel of it is a
+/// radiance.
 Result<EnvironmentFile> read_environment(const std::string& file);
 
 }  // namespace citystream::client

@@ -40,6 +40,11 @@ void add_sun(EnvironmentMap& map, const Sun& sun, double weight) {
     for (size_t c = 0; c < 3; ++c) map.texels[texel][c] += static_cast<float>(weight * sun.irradiance[c] / solid_angle);
 }
 
+bool is_black_below_horizon(const EnvironmentMap& map) {
+    return std::all_of(map.texels.begin() + static_cast<ptrdiff_t>(texels_above_horizon(map)), map.texels.end(),
+                       [](const Rgb& texel) { return texel == Rgb{}; });
+}
+
 double brightness(const std::optional<Sun>& sun) {
     return sun ? luminance(sun->irradiance) : 0;
 }
@@ -56,6 +61,7 @@ Result<EnvironmentLight> EnvironmentLight::load(EnvironmentPath path, const Ligh
         if (!file) return file.error();
         if (file->defects.all() > 0) light.warnings_.push_back(name + ": " + file->defects.text());
         if (settings.take_suns) environment.sun = take_sun(file->map);
+        environment.plain = is_black_below_horizon(file->map);
         environment.map = reduced(file->map, settings.map_width);
     }
     return light;
@@ -66,7 +72,7 @@ EnvironmentLight::Environment EnvironmentLight::seen(const EnvironmentPath::Part
     if (!environment.analytic) return environment;
     const ClearSky sky(sun_direction(settings_.latitude_degrees, settings_.day_of_year, part.hour),
                        settings_.turbidity);
-    Environment result{true, sky_map(sky, sky_width), sky.sun()};
+    Environment result{true, sky_map(sky, sky_width), sky.sun(), true};
     if (!settings_.take_suns && result.sun) {
         add_sun(result.map, *result.sun, 1);
         result.sun.reset();
@@ -90,6 +96,7 @@ LightMoment EnvironmentLight::faded(const EnvironmentPath::Moment& moment) const
     }
     const size_t main = brightness(parts[1].sun) > brightness(parts[0].sun) ? 1 : 0;
     LightMoment result{std::move(maps[0]), 0, parts[main].sun};
+    for (size_t i = 0; i < 2; ++i) result.plain += parts[i].plain ? moment.parts[i].weight : 0;
     for (size_t i = 0; i < result.map.texels.size(); ++i) {
         for (size_t c = 0; c < 3; ++c) result.map.texels[i][c] += maps[1].texels[i][c];
     }
@@ -106,6 +113,7 @@ LightMoment EnvironmentLight::at(double time_s) const {
         Environment alone = seen(moment.parts[0], std::min(kSkyWidth, settings_.map_width));
         result.map = std::move(alone.map);
         result.sun = alone.sun;
+        result.plain = alone.plain ? 1 : 0;
     }
     result.yaw = moment.rotation_degrees * std::numbers::pi / 180;
     if (result.sun) result.sun->direction = turned_clockwise(result.sun->direction, result.yaw);

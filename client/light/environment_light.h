@@ -25,6 +25,9 @@ struct LightMoment {
     EnvironmentMap map;      ///< without the sun
     double yaw = 0;          ///< of the map
     std::optional<Sun> sun;  ///< as it stands in the world, turned with the map
+    /// 0..1: how much of what is seen are environments that are black below the horizon, as the analytic sky is; there
+    /// a plain is shown (frame_light_maker.h).
+    double plain = 0;
 };
 
 /// Takes 12 bytes a texel of each environment: 6 MB at the default width. Const calls may come from several threads.
@@ -45,6 +48,7 @@ class EnvironmentLight {
         bool analytic = false;
         EnvironmentMap map;
         std::optional<Sun> sun;
+        bool plain = false;  ///< nothing is seen below the horizon
     };
 
     EnvironmentLight(EnvironmentPath path, const LightSettings& settings)

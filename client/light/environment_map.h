@@ -48,6 +48,11 @@ struct EnvironmentMap {
     Rgb radiance(const Direction& from, double yaw = 0) const;
 };
 
+/// How many texels, from the first, are seen above the horizon, in part at least.
+inline size_t texels_above_horizon(const EnvironmentMap& map) {
+    return size_t{(map.height + 1) / 2} * map.width;
+}
+
 /// Unit vector to a place of the picture: columns 0..width, rows 0..height, texels' centres at halves.
 Direction map_direction(uint32_t width, uint32_t height, double column, double row);
 /// Steradians of each texel of a row.

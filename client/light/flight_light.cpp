@@ -26,6 +26,15 @@ const char* option_of_sky(const LightArguments& arguments) {
     return arguments.turbidity ? "--turbidity" : nullptr;
 }
 
+/// The option that only lit frames make sense of; null: none was typed.
+const char* option_of_light(const LightArguments& arguments) {
+    if (!arguments.exposure.empty()) return "--exposure";
+    if (!arguments.sun.empty()) return "--sun";
+    if (arguments.light_tolerance) return "--light-tolerance";
+    if (!arguments.matrix.empty()) return "--matrix";
+    return arguments.matrix_error ? "--matrix-error" : nullptr;
+}
+
 }  // namespace
 
 std::optional<codec::radiance::MatrixForm> matrix_form_named(std::string_view name) {
@@ -33,6 +42,22 @@ std::optional<codec::radiance::MatrixForm> matrix_form_named(std::string_view na
     if (name == kMatrixFormNames[0]) return MatrixForm::kBiclusters;
     if (name == kMatrixFormNames[1]) return MatrixForm::kRows;
     return std::nullopt;
+}
+
+const char* matrix_form_name(codec::radiance::MatrixForm form) {
+    return kMatrixFormNames[form == codec::radiance::MatrixForm::kRows ? 1 : 0];
+}
+
+TransferQuality transfer_quality(const LightArguments& arguments) {
+    TransferQuality quality;
+    quality.light_tolerance = arguments.light_tolerance.value_or(quality.light_tolerance);
+    quality.matrix = matrix_form_named(arguments.matrix).value_or(quality.matrix);
+    quality.matrix_error = arguments.matrix_error.value_or(quality.matrix_error);
+    return quality;
+}
+
+Error needs_environment(const std::string& option) {
+    return Error{option + " needs --environment or --environment-path"};
 }
 
 Result<std::optional<double>> parse_exposure(const std::string& text) {
@@ -54,10 +79,8 @@ Status check_light_arguments(const LightArguments& arguments) {
     const char* const of_sky = option_of_sky(arguments);
     if (of_sky != nullptr && arguments.environment != kAnalyticSky && arguments.environment_path.empty())
         return Error{std::string(of_sky) + " needs --environment sky, or --environment-path"};
-    if (!arguments.exposure.empty() && !arguments.asked_for())
-        return Error{"--exposure needs --environment or --environment-path"};
-    if (!arguments.sun.empty() && !arguments.asked_for())
-        return Error{"--sun needs --environment or --environment-path"};
+    const char* const of_light = option_of_light(arguments);
+    if (of_light != nullptr && !arguments.asked_for()) return needs_environment(of_light);
     const auto exposure = parse_exposure(arguments.exposure);
     if (!exposure) return exposure.error();
     return Done{};

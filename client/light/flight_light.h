@@ -17,6 +17,10 @@ namespace citystream::client {
 /// Of a flight that asks for light: StreamerOptions::light_tolerance where none is typed.
 inline constexpr double kUsualLightTolerance = 0.05;
 
+/// What is worth a warning where light is asked for.
+inline constexpr std::string_view kNoRadianceLayer =
+    "this city has no radiance layer (citystream-build --layers ...,radiance): the sky lights it without shadows";
+
 /// What is typed; empty where nothing is.
 struct LightArguments {
     std::string environment;       ///< file, or `sky`
@@ -26,6 +30,8 @@ struct LightArguments {
     std::optional<double> latitude_degrees, day_of_year, turbidity;  ///< of the analytic sky (LightSettings)
     std::string exposure;                                            ///< `auto`, or stops
     std::string sun;                                                 ///< `apart`, or `map`: it stays in the map
+    std::optional<double> light_tolerance, matrix_error;             ///< TransferQuality
+    std::string matrix;                                              ///< one of kMatrixFormNames
 
     bool asked_for() const { return !environment.empty() || !environment_path.empty(); }
 };
@@ -33,10 +39,22 @@ struct LightArguments {
 /// How the radiance layer's matrix is kept in GPU memory, by name.
 inline constexpr std::array<const char*, 2> kMatrixFormNames = {"biclusters", "rows"};
 std::optional<codec::radiance::MatrixForm> matrix_form_named(std::string_view name);
+const char* matrix_form_name(codec::radiance::MatrixForm form);
+
+/// How exactly radiance layers are fetched and kept: the values of StreamerOptions.
+struct TransferQuality {
+    double light_tolerance = kUsualLightTolerance;
+    codec::radiance::MatrixForm matrix = codec::radiance::MatrixForm::kBiclusters;
+    double matrix_error = 0;
+};
+/// Of what is typed, where it is; a name of no form counts as none.
+TransferQuality transfer_quality(const LightArguments& arguments);
 
 /// `auto`: nothing. Error: no number, or one beyond +-64.
 Result<std::optional<double>> parse_exposure(const std::string& text);
 
+/// What is said of an option that only lit frames make sense of where none are asked for.
+Error needs_environment(const std::string& option);
 /// Whether these go together. Error: one line that names the option; what only an environment makes sense of is an
 /// error without one.
 Status check_light_arguments(const LightArguments& arguments);

@@ -24,16 +24,6 @@ bool same_map(const EnvironmentMap& a, const EnvironmentMap& b) {
     return a.width == b.width && a.height == b.height && a.texels == b.texels;
 }
 
-/// Texels that begin at the horizon or below it.
-size_t begin_below_horizon(const EnvironmentMap& map) {
-    return size_t{(map.height + 1) / 2} * map.width;
-}
-
-bool is_black_below_horizon(const EnvironmentMap& map) {
-    return std::all_of(map.texels.begin() + static_cast<ptrdiff_t>(begin_below_horizon(map)), map.texels.end(),
-                       [](const Rgb& texel) { return texel == Rgb{}; });
-}
-
 bool same_sun(const std::optional<Sun>& a, const std::optional<Sun>& b) {
     if (!a || !b) return !a && !b;
     return a->direction == b->direction && a->irradiance == b->irradiance;
@@ -87,7 +77,6 @@ void FrameLightMaker::set_map(EnvironmentMap map) {
     map_ = std::move(map);
     reduced_ = reduced(map_, kMapColumns * texels_across_);
     harmonics_ = harmonic_light(reduced(reduced_, kHarmonicColumns));
-    has_plain_ = is_black_below_horizon(map_);
 }
 
 /// Of the map as it is turned.
@@ -98,16 +87,18 @@ void FrameLightMaker::set_sky() {
     light_.texels_across = texels_across_;
     light_.ambient = harmonics_.turned(yaw_);
     light_.background = turned_map(map_, yaw_);
-    if (has_plain_) add_plain();
+    if (plain_ > 0) add_plain();
     ++light_.number;
 }
 
 void FrameLightMaker::add_plain() {
     Rgb plain{};
     const LightSum light = level_light();
-    for (size_t c = 0; c < 3; ++c) plain[c] = static_cast<float>(kPlainAlbedo / std::numbers::pi * light[c]);
+    for (size_t c = 0; c < 3; ++c) plain[c] = static_cast<float>(plain_ * kPlainAlbedo / std::numbers::pi * light[c]);
     EnvironmentMap& map = light_.background;
-    std::fill(map.texels.begin() + static_cast<ptrdiff_t>(begin_below_horizon(map)), map.texels.end(), plain);
+    for (Rgb& texel : std::span(map.texels).subspan(texels_above_horizon(map))) {
+        for (size_t c = 0; c < 3; ++c) texel[c] += plain[c];
+    }
 }
 
 /// On a level surface, of sky and sun.
@@ -128,7 +119,8 @@ const FrameLight& FrameLightMaker::light(LightMoment moment) {
     const double yaw = within_a_turn(moment.yaw);
     const bool same = light_.number > 0 && same_map(moment.map, map_);
     if (!same) set_map(std::move(moment.map));
-    const bool other_plain = has_plain_ && !same_sun(light_.sun, moment.sun);
+    const bool other_plain = moment.plain != plain_ || (plain_ > 0 && !same_sun(light_.sun, moment.sun));
+    plain_ = moment.plain;
     light_.sun = moment.sun;
     if (!same || yaw != yaw_ || other_plain) {
         yaw_ = yaw;

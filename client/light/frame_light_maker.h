@@ -7,8 +7,8 @@
 // it stays what it is there, so that no light at all is black. In the analytic sky's klx kFullAdaptation is a dark
 // overcast day; maps have units of their own, most of them of an order of 1 by day.
 //
-// Where a map is black below the horizon, as the analytic sky is, the picture behind the city shows a plain there, of
-// even albedo kPlainAlbedo in the same light. It lights nothing.
+// Below the horizon of environments that show nothing there the picture behind the city shows a plain of even albedo
+// kPlainAlbedo in the same light (LightMoment::plain of it). It lights nothing.
 #pragma once
 
 #include <cstdint>
@@ -56,8 +56,7 @@ class FrameLightMaker {
     uint32_t texels_across_;
     std::optional<double> exposure_stops_;
     EnvironmentMap map_, reduced_;  ///< of the last moment, as it came and with what the source cube needs of it
-    bool has_plain_ = false;        ///< the map is black below the horizon
-    double yaw_ = 0;
+    double plain_ = 0, yaw_ = 0;
     HarmonicLight harmonics_;  ///< of the map without its yaw
     std::optional<SourceSampler> sampler_;
     LightSum level_irradiance_{};  ///< of the sky

@@ -46,8 +46,9 @@ class Texels {
     const EnvironmentMap& map_;
 };
 
-size_t brightest_texel(const EnvironmentMap& map) {
-    const auto brightest = std::max_element(map.texels.begin(), map.texels.end(),
+size_t brightest_texel_above_horizon(const EnvironmentMap& map) {
+    const auto end = map.texels.begin() + static_cast<ptrdiff_t>(texels_above_horizon(map));
+    const auto brightest = std::max_element(map.texels.begin(), end,
                                             [](const Rgb& a, const Rgb& b) { return luminance(a) < luminance(b); });
     return static_cast<size_t>(brightest - map.texels.begin());
 }
@@ -174,7 +175,7 @@ Sun sun_of(const EnvironmentMap& map, const std::vector<Share>& shares) {
 }  // namespace
 
 std::optional<Sun> take_sun(EnvironmentMap& map) {
-    const size_t peak = brightest_texel(map);
+    const size_t peak = brightest_texel_above_horizon(map);
     const double brightest = luminance(map.texels[peak]), ring = ring_brightness(map, peak);
     if (!(brightest > kSunContrast * ring)) return std::nullopt;
     std::vector<size_t> spot;
@@ -191,7 +192,7 @@ std::optional<Sun> take_sun(EnvironmentMap& map) {
     const std::vector<Share> shares = shares_of(map, spot, mean_of(map, around));
     const Sun sun = sun_of(map, shares);
     const double rest = luminance(map_energy(map)) - luminance(sun.irradiance);
-    if (luminance(sun.irradiance) < kSunShare * rest / 4) return std::nullopt;
+    if (!(sun.direction[2] > 0) || luminance(sun.irradiance) < kSunShare * rest / 4) return std::nullopt;
     for (const Share& share : shares) {
         for (size_t c = 0; c < 3; ++c) map.texels[share.texel][c] -= share.excess[c];
     }

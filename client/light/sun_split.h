@@ -3,7 +3,8 @@
 // A sun is the brightest compact spot of a map: its brightest texel is kContrast times as bright as half of the sky 5
 // to 15 degrees around it; the texels connected to it that are above a part of its brightness stay within 5 degrees;
 // and the spot lights a surface that faces it at least kShare as much as a sky of the rest's mean radiance would. A
-// lamp that is all this is a sun, too; of several, only the brightest texel's is looked at.
+// lamp that is all this is a sun, too; of several, only the brightest texel's is looked at. It stands above the
+// horizon: light from below reaches nothing of a city, so that a sun's mirror image in water stays in the map.
 #pragma once
 
 #include <optional>

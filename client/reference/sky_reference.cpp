@@ -342,7 +342,7 @@ struct SkyReference::View {
     LightSum seen(const Direction& direction) const {
         const Rgb map = light.background->radiance(direction);
         LightSum sum = {map[0], map[1], map[2]};
-        if (!light.sun || !light.sun_is_seen) return sum;
+        if (!light.sun || !light.sun_is_seen || direction[2] < 0) return sum;
         if (angle_between(direction, light.sun->direction) > light.sun->angular_radius) return sum;
         const double solid_angle = 2 * std::numbers::pi * (1 - std::cos(light.sun->angular_radius));
         for (size_t c = 0; c < 3; ++c) sum[c] += light.sun->irradiance[c] / solid_angle;

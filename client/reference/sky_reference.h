@@ -37,7 +37,7 @@ struct ReferenceLight {
     const EnvironmentMap* sky = nullptr;         ///< lights surfaces
     const EnvironmentMap* background = nullptr;  ///< is seen where no surface is met
     std::optional<Sun> sun;                      ///< lights surfaces
-    bool sun_is_seen = true;                     ///< its disc, before the background
+    bool sun_is_seen = true;                     ///< its disc above the horizon, before the background
 };
 
 /// Linear, before exposure; top row first.

@@ -5,7 +5,9 @@
 
 #include "client/render/relief_passes_layout.h"
 #include "client/render/relief_shaders.h"
+#include "codec/facade/facade_form.h"
 #include "shaders/btf_mip.comp.h"
+#include "tiles/radiance/in_parallel.h"
 
 namespace citystream::client {
 namespace {
@@ -49,12 +51,13 @@ uint32_t mip_groups(const codec::radiance::BtfShape& shape, uint32_t mip) {
 }  // namespace
 
 BtfStore::BtfStore(const Device& device, SlotPool& pool, const ReliefMasks& masks, uint64_t budget_bytes,
-                   const codec::radiance::BtfOptions& options)
+                   const codec::radiance::BtfOptions& options, const ReliefMaking& making)
     : device_(device),
       pool_(pool),
       masks_(masks),
       budget_bytes_(budget_bytes),
       options_(options),
+      making_(making),
       pages_(device, pool) {}
 
 BtfStore::~BtfStore() {
@@ -65,20 +68,71 @@ BtfStore::~BtfStore() {
 
 Status BtfStore::plan(std::span<const ReliefMap> maps) {
     todo_.clear();
-    made_ = refused_ = 0;
+    made_ = refused_ = rays_ = 0;
     ++plans_;
     for (const ReliefMap& map : maps) {
         if (!is_live(pool_, map.map)) return Error{"a facade map that does not exist cannot have a BTF"};
         if (const auto at = btfs_.find(map.map); at != btfs_.end()) at->second.used = plans_;
     }
     for (const ReliefMap& map : maps) {
-        if (btfs_.contains(map.map)) continue;
-        if (make(map))
-            ++made_;
-        else
-            ++refused_;
+        auto at = btfs_.find(map.map);
+        const bool has_rays = making_.most_rays == 0 || rays_ < making_.most_rays;
+        if (at == btfs_.end() && has_rays) {
+            if (make(map))
+                at = btfs_.find(map.map);
+            else
+                ++refused_;
+        }
+        if (at != btfs_.end() && has_rays) go_on(map, at->second);
     }
     return Done{};
+}
+
+/// With the rays that are left of the frame's; not while the map has no mask.
+void BtfStore::go_on(const ReliefMap& map, Place& place) {
+    const uint64_t view_rays = uint64_t{place.shape.patch()} * place.shape.patch() * BTF_RAYS;
+    uint64_t count = place.shape.views() - place.done;
+    if (count == 0 || masks_.mask_of(map.map) == kNoLayer) return;
+    if (making_.most_rays != 0) count = std::min(count, (making_.most_rays - rays_ + view_rays - 1) / view_rays);
+    if (place.host)
+        make_on_host(place, static_cast<uint32_t>(count));
+    else
+        todo_.push_back({map, place.done, static_cast<uint32_t>(count)});
+    rays_ += count * view_rays;
+    place.done += static_cast<uint32_t>(count);
+    if (place.done < place.shape.views()) return;
+    ++made_;
+    if (!place.host) return;
+    std::memcpy(static_cast<std::byte*>(buffer_.mapped) + place.begin, place.host->words.data(),
+                4 * place.host->words.size());
+    place.host.reset();
+}
+
+/// None of words that do not decode.
+std::unique_ptr<BtfStore::HostBtf> BtfStore::begin_on_host(const ReliefMap& map,
+                                                           const codec::radiance::BtfShape& shape) const {
+    const auto all_words = [&](LayerId layer) { return read_words(pool_, layer, pool_.layers[layer].words); };
+    auto grid = codec::facade::decode_form(all_words(map.map));
+    if (!grid) return nullptr;
+    HostBtf host{std::move(*grid), all_words(masks_.mask_of(map.map)),
+                 codec::radiance::btf_head(shape, map.slots, map.scales)};
+    host.words.resize(shape.words(), 0);
+    return std::make_unique<HostBtf>(std::move(host));
+}
+
+void BtfStore::make_on_host(Place& place, uint32_t count) {
+    const auto mask = codec::radiance::ReliefMaskView::create(place.host->mask);
+    if (!mask) throw VulkanError(mask.error().message);
+    tiles::radiance::in_parallel(count, 0, [&](size_t i) {
+        codec::radiance::make_btf_view(place.host->grid, *mask, place.shape, place.done + static_cast<uint32_t>(i),
+                                       place.host->words);
+        return true;
+    });
+}
+
+bool BtfStore::is_missing(LayerId map) const {
+    const auto at = btfs_.find(map);
+    return at == btfs_.end() || at->second.done < at->second.shape.views();
 }
 
 uint64_t BtfStore::bytes_of(const ReliefMap& map) const {
@@ -95,21 +149,23 @@ bool BtfStore::make(const ReliefMap& map) {
     std::optional<uint64_t> begin = gap_for(bytes);
     while (!begin && drop_oldest()) begin = gap_for(bytes);
     if (!begin) return false;
-    if (buffer_.handle == VK_NULL_HANDLE) buffer_ = create_buffer(device_, budget_bytes_, BufferPlace::kDevice);
-    btfs_[map.map] = {*begin, bytes, plans_};
-    todo_.push_back({map, *shape, *begin});
+    std::unique_ptr<HostBtf> host;
+    if (making_.on_host && !(host = begin_on_host(map, *shape))) return false;
+    const BufferPlace where = making_.on_host ? BufferPlace::kDeviceHost : BufferPlace::kDevice;
+    if (buffer_.handle == VK_NULL_HANDLE) buffer_ = create_buffer(device_, budget_bytes_, where);
+    btfs_[map.map] = {*begin, bytes, plans_, *shape, 0, std::move(host)};
     return true;
 }
 
 /// First that is wide enough.
 std::optional<uint64_t> BtfStore::gap_for(uint64_t bytes) const {
-    std::vector<Place> places;
-    for (const auto& [map, place] : btfs_) places.push_back(place);
-    std::ranges::sort(places, {}, &Place::begin);
+    std::vector<std::pair<uint64_t, uint64_t>> taken;
+    for (const auto& [map, place] : btfs_) taken.emplace_back(place.begin, place.begin + place.bytes);
+    std::ranges::sort(taken);
     uint64_t begin = 0;
-    for (const Place& place : places) {
-        if (place.begin - begin >= bytes) return begin;
-        begin = place.begin + place.bytes;
+    for (const auto& [from, end] : taken) {
+        if (from - begin >= bytes) return begin;
+        begin = end;
     }
     if (budget_bytes_ - begin >= bytes) return begin;
     return std::nullopt;
@@ -132,16 +188,21 @@ void BtfStore::record(VkCommandBuffer commands) {
     memory_barrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
                    VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_TRANSFER_WRITE_BIT);
     for (const Job& job : todo_) {
-        const std::vector<uint32_t> head = codec::radiance::btf_head(job.shape, job.map.slots, job.map.scales);
-        vkCmdUpdateBuffer(commands, buffer_.handle, job.begin, 4 * head.size(), head.data());
-        // Views are filled up with texels that no pass writes.
-        vkCmdFillBuffer(commands, buffer_.handle, job.begin + 4 * head.size(), 4 * (job.shape.words() - head.size()),
-                        0);
+        if (job.first == 0) record_head(commands, job);
     }
     between_passes(commands);
     for (const Job& job : todo_) record_job(commands, job);
     memory_barrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT,
                    VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT);
+}
+
+void BtfStore::record_head(VkCommandBuffer commands, const Job& job) {
+    const Place& place = btfs_.at(job.map.map);
+    const std::vector<uint32_t> head = codec::radiance::btf_head(place.shape, job.map.slots, job.map.scales);
+    vkCmdUpdateBuffer(commands, buffer_.handle, place.begin, 4 * head.size(), head.data());
+    // Views are filled up with texels that no pass writes.
+    vkCmdFillBuffer(commands, buffer_.handle, place.begin + 4 * head.size(), 4 * (place.shape.words() - head.size()),
+                    0);
 }
 
 void BtfStore::record_job(VkCommandBuffer commands, const Job& job) {
@@ -153,13 +214,18 @@ void BtfStore::record_job(VkCommandBuffer commands, const Job& job) {
     BtfPassConstants constants{};
     split(pages_.reference(job.map.map), constants.map);
     split(pages_.reference(masks_.mask_of(job.map.map)), constants.mask);
-    split((buffer_.address + job.begin) | LAYER_REF_DIRECT, constants.btf);
-    constants.groups = job.shape.views() * job.shape.patch() * job.shape.patch() / BTF_GROUP_TEXELS;
+    const Place& place = btfs_.at(job.map.map);
+    split((buffer_.address + place.begin) | LAYER_REF_DIRECT, constants.btf);
+    const uint32_t view_groups = place.shape.patch() * place.shape.patch() / BTF_GROUP_TEXELS;
+    constants.first_group = job.first * view_groups;
+    constants.groups = job.count * view_groups;
     dispatch(commands, pass, constants);
-    for (uint32_t mip = 1; mip < job.shape.mips(); ++mip) {
+    if (job.first + job.count < place.shape.views()) return;
+    constants.first_group = 0;
+    for (uint32_t mip = 1; mip < place.shape.mips(); ++mip) {
         between_passes(commands);
         constants.mip = mip;
-        constants.groups = mip_groups(job.shape, mip);
+        constants.groups = mip_groups(place.shape, mip);
         dispatch(commands, mip_pass_, constants);
     }
 }
@@ -175,11 +241,11 @@ void BtfStore::forget(LayerId map) {
 
 VkDeviceAddress BtfStore::reference(LayerId map) const {
     const auto at = btfs_.find(map);
-    return at == btfs_.end() ? 0 : (buffer_.address + at->second.begin) | LAYER_REF_DIRECT;
+    return is_missing(map) ? 0 : (buffer_.address + at->second.begin) | LAYER_REF_DIRECT;
 }
 
 BtfCounts BtfStore::counts() const {
-    BtfCounts counts{btfs_.size(), 0, made_, refused_};
+    BtfCounts counts{btfs_.size(), 0, made_, refused_, rays_};
     for (const auto& [map, place] : btfs_) counts.bytes += place.bytes;
     return counts;
 }

@@ -1,6 +1,6 @@
-// BTFs of facade maps (codec/radiance/btf.h), made on the device from the maps' words and their relief masks by the ray
-// caster that draws them. They lie in one buffer with a budget of its own, taken when the first is made; a map for
-// which there is no room has none.
+// BTFs of facade maps (codec/radiance/btf.h), made from the maps' words and their relief masks: on the device by the
+// ray caster that draws them, or by the host's rays. They lie in one buffer with a budget of its own, taken when the
+// first is made; a map for which there is no room has none.
 //
 // Use as ReliefMasks: plan(), record(), finish(). Not thread safe; nothing may be in flight on the queue but where
 // record() says so. Errors: VulkanError, or Status where said.
@@ -8,6 +8,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -18,32 +19,33 @@
 namespace citystream::client {
 
 struct BtfCounts {
-    uint64_t btfs = 0, bytes = 0;    ///< that are there
-    uint64_t made = 0, refused = 0;  ///< of the frame planned last; refused: no room, no mask, or not a map
+    uint64_t btfs = 0, bytes = 0;    ///< that are there or begun
+    uint64_t made = 0, refused = 0;  ///< of the frame planned last: finished; no room, no mask, or not a map
+    uint64_t rays = 0;               ///< of the frame planned last
 };
 
 class BtfStore {
   public:
     /// `device`, `pool` and `masks` outlive it. Nothing is made yet. `options`: as btf_shape takes them.
     BtfStore(const Device& device, SlotPool& pool, const ReliefMasks& masks, uint64_t budget_bytes,
-             const codec::radiance::BtfOptions& options = {});
+             const codec::radiance::BtfOptions& options = {}, const ReliefMaking& making = {});
     ~BtfStore();
     BtfStore(const BtfStore&) = delete;
     BtfStore& operator=(const BtfStore&) = delete;
 
-    /// `maps`: each once, of those planned for `masks` in this frame; those without a BTF get one by record() where
-    /// they have a mask and there is room: that of BTFs which are not among them is taken, longest unused first. Error:
-    /// a map that does not exist.
+    /// `maps`: each once, those that matter most first, of those planned for `masks` in this frame; those without a BTF
+    /// get one by record() where they have a mask and there is room: that of BTFs which are not among them is taken,
+    /// longest unused first. Error: a map that does not exist.
     Status plan(std::span<const ReliefMap> maps);
-    /// Whether plan() would make one: such maps need a mask in this frame.
-    bool is_missing(LayerId map) const { return !btfs_.contains(map); }
+    /// Whether plan() would make one or go on with it: such maps need a mask in this frame.
+    bool is_missing(LayerId map) const;
     /// After the masks' own record. Records what was planned, and a barrier: whatever is recorded after it may read the
     /// BTFs.
     void record(VkCommandBuffer commands);
     void finish();
 
-    /// Reference of its words, which lie in one piece (draw_layout.h); 0: the map has none. Valid from plan() on (its
-    /// words from record()'s commands on) until it is planned again.
+    /// Reference of its words, which lie in one piece (draw_layout.h); 0: the map has none that is done. Valid from
+    /// plan() on (its words from record()'s commands on) until it is planned again.
     VkDeviceAddress reference(LayerId map) const;
     /// Before a map's layer is destroyed or its words are replaced.
     void forget(LayerId map);
@@ -60,19 +62,31 @@ class BtfStore {
     uint64_t buffer_bytes() const { return buffer_.bytes + pages_.bytes(); }
 
   private:
+    /// What the host makes a BTF of.
+    struct HostBtf {
+        codec::facade::RunGrid grid;
+        std::vector<uint32_t> mask, words;
+    };
     struct Place {
         uint64_t begin = 0, bytes = 0;  ///< in the buffer
         uint64_t used = 0;              ///< number of the plan that named it last
+        codec::radiance::BtfShape shape;
+        uint32_t done = 0;              ///< views, with the frame planned last
+        std::unique_ptr<HostBtf> host;  ///< until it is done
     };
+    /// Views that the device makes in this frame.
     struct Job {
         ReliefMap map;
-        codec::radiance::BtfShape shape;
-        uint64_t begin = 0;
+        uint32_t first = 0, count = 0;
     };
 
     bool make(const ReliefMap& map);
+    void go_on(const ReliefMap& map, Place& place);
+    std::unique_ptr<HostBtf> begin_on_host(const ReliefMap& map, const codec::radiance::BtfShape& shape) const;
+    void make_on_host(Place& place, uint32_t count);
     std::optional<uint64_t> gap_for(uint64_t bytes) const;
     bool drop_oldest();
+    void record_head(VkCommandBuffer commands, const Job& job);
     void record_job(VkCommandBuffer commands, const Job& job);
 
     const Device& device_;
@@ -80,13 +94,14 @@ class BtfStore {
     const ReliefMasks& masks_;
     uint64_t budget_bytes_;
     codec::radiance::BtfOptions options_;
+    ReliefMaking making_;
     LayerPages pages_;
     Buffer buffer_;
     std::array<Pass, FACADE_RENDERER_COUNT> passes_{};  ///< by caster, made when first needed
     Pass mip_pass_;
     std::map<LayerId, Place> btfs_;  ///< by map
     std::vector<Job> todo_;
-    uint64_t plans_ = 0, made_ = 0, refused_ = 0;
+    uint64_t plans_ = 0, made_ = 0, refused_ = 0, rays_ = 0;
 };
 
 }  // namespace citystream::client

@@ -21,8 +21,10 @@ constexpr double kNegligibleShare = 0.01;
 FacadeMapFacts facade_map_facts(std::span<const uint32_t> words) {
     if (words.empty() || (words[FACADE_FORM_WORD_FORM] & 0xffffu) != FACADE_FORM_MAGIC) return {};
     const auto grid = codec::facade::decode_form(words);
-    FacadeMapFacts facts{words[FACADE_FORM_WORD_FORM] >> 16, false, 0, {}};
+    FacadeMapFacts facts;
+    facts.form = words[FACADE_FORM_WORD_FORM] >> 16;
     if (!grid.ok()) return facts;
+    facts.size = {grid->width(), grid->height()};
     facts.is_opaque = !grid->has_open_cells();
     facts.slots = codec::radiance::palette_slots(*grid);
     facts.finest = {finest_run(*grid, 0), finest_run(*grid, 1)};

@@ -14,6 +14,7 @@ struct FacadeMapFacts {
     uint32_t form = 0;       ///< FACADE_FORM_..., 0: no facade map
     bool is_opaque = false;  ///< no open cells: whoever looks through its front does not see what is behind its back
     uint32_t slots = 0;      ///< palette_slots (codec/radiance/btf.h)
+    std::array<uint32_t, 2> size{};  ///< texels; 0, 0 of a map that does not decode
     /// Texels: the narrowest and lowest runs of equal labels that matter (finest_run).
     std::array<float, 2> finest{};
 };

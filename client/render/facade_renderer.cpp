@@ -42,6 +42,13 @@ std::optional<FacadeRenderer> facade_renderer_named(std::string_view name) {
     return std::nullopt;
 }
 
+std::vector<std::string> facade_renderer_names() {
+    std::vector<std::string> names;
+    names.reserve(kFacadeRenderers.size());
+    for (const FacadeRenderer renderer : kFacadeRenderers) names.emplace_back(facade_renderer_name(renderer));
+    return names;
+}
+
 std::vector<std::string> facade_sample_names() {
     std::vector<std::string> names;
     for (const uint32_t count : kFacadeSampleCounts) names.push_back(std::to_string(count));

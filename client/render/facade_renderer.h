@@ -36,6 +36,7 @@ std::optional<uint32_t> facade_samples_named(std::string_view name);
 
 std::string_view facade_renderer_name(FacadeRenderer renderer);
 std::optional<FacadeRenderer> facade_renderer_named(std::string_view name);
+std::vector<std::string> facade_renderer_names();
 /// The form its maps must have; empty: the one in which they arrive. A map that the form refuses is drawn raw by the
 /// uncompressed renderer with the same stepper.
 std::optional<codec::facade::FacadeForm> form_for(FacadeRenderer renderer);

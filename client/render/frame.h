@@ -55,6 +55,8 @@ struct TileDraw {
     std::vector<FacadeMapBinding> facade_maps;
     std::vector<uint32_t> map_of_placement;  ///< index in facade_maps, of every placement of the layer
     LayerId radiance = kNoLayer;             ///< checked words (RadianceLayerView); where a light is set
+    /// Grid units: the tile's origin from that of the tile whose receivers these are, itself or an ancestor.
+    std::array<int32_t, 3> radiance_offset{};
 };
 
 /// 8-bit RGBA, top row first.

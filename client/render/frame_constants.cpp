@@ -108,11 +108,12 @@ Status FrameTables::add_facades(const TileDraw& tile, TileConstants& constants) 
     return Done{};
 }
 
-Result<RadianceDraw> FrameTables::add_radiance(LayerId layer, VkDeviceAddress light, const TileRelief& relief,
+Result<RadianceDraw> FrameTables::add_radiance(const TileDraw& tile, VkDeviceAddress light, const TileRelief& relief,
                                                TileConstants& constants) {
     ReliefDraw draw{};
-    if (const Status status = refer(layer, draw.radiance.layer); !status) return status.error();
+    if (const Status status = refer(tile.radiance, draw.radiance.layer); !status) return status.error();
     split_address(light, draw.radiance.light);
+    std::ranges::copy(tile.radiance_offset, draw.radiance.offset);
     if (relief.local == kNoLayer) {
         split_address(append(&draw.radiance, sizeof draw.radiance), constants.mesh_draw);
         return draw.radiance;

@@ -44,9 +44,9 @@ class FrameTables {
     Result<TileConstants> add_tile(const TileDraw& tile, const CameraCell& camera);
     /// Names a coordinate layer in the constants of the tile added last.
     Status add_coordinates(LayerId layer, TileConstants& constants) { return refer(layer, constants.shared_charts); }
-    /// In a frame with a light, whose LightConstants are at `light`: what lights the tile added last, also as a table
-    /// that its constants refer to. `relief`: with that of its facades.
-    Result<RadianceDraw> add_radiance(LayerId layer, VkDeviceAddress light, const TileRelief& relief,
+    /// In a frame with a light, whose LightConstants are at `light`: what lights `tile`, the one added last, also as a
+    /// table that its constants refer to. `relief`: with that of its facades.
+    Result<RadianceDraw> add_radiance(const TileDraw& tile, VkDeviceAddress light, const TileRelief& relief,
                                       TileConstants& constants);
     /// Whether every layer that the tile added last names lies in one piece.
     bool is_direct() const { return is_direct_; }

@@ -61,6 +61,10 @@ void FrameLighting::set_light(const FrameLight& light) {
     split(map_.address, constants_.map);
 }
 
+bool FrameLighting::has_sun() const {
+    return sun_ && lights_surfaces(*sun_);
+}
+
 Status FrameLighting::plan(const Camera& camera, std::span<const TileDraw> tiles, bool relief) {
     layers_.clear();
     with_local_.clear();
@@ -72,7 +76,7 @@ Status FrameLighting::plan(const Camera& camera, std::span<const TileDraw> tiles
     std::sort(layers_.begin(), layers_.end());
     layers_.erase(std::unique(layers_.begin(), layers_.end()), layers_.end());
     if (const Status status = passes_.plan(layers_, with_local_); !status) return status.error();
-    const bool is_up = sun_ && sun_->direction[2] > 0 && luminance(sun_->irradiance) > 0;
+    const bool is_up = has_sun();
     constants_.cascades = is_up ? SHADOW_CASCADES : 0;
     if (is_up) {
         if (!shadows_) shadows_.emplace(device_, shadow_side_);

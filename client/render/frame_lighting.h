@@ -31,7 +31,8 @@ class FrameLighting {
     /// Before a layer is destroyed.
     void forget(LayerId layer) { passes_.forget(layer); }
 
-    bool has_sun() const { return sun_.has_value(); }  ///< above the horizon or below
+    /// One that lights surfaces: light_constants.h.
+    bool has_sun() const;
 
     /// A frame: plan what its tiles miss; have the cascades drawn, if there are any, into shadow_maps(); record.
     /// `relief`: tiles with facades have local light, too.

@@ -86,7 +86,7 @@ Result<DrawnTile> FrameTiles::add(FrameTables& tables, const TileDraw& tile, con
     const bool lit = kind == FrameKind::kLit;
     if (lit) {
         const TileRelief of_tile = relief != nullptr ? relief->of(tile, *lighting) : TileRelief();
-        const auto radiance = tables.add_radiance(tile.radiance, lighting->address(), of_tile, drawn.constants);
+        const auto radiance = tables.add_radiance(tile, lighting->address(), of_tile, drawn.constants);
         if (!radiance) return radiance.error();
         drawn.radiance = *radiance;
         drawn.relief = of_tile.local != kNoLayer;

@@ -34,6 +34,10 @@ class FrameTiles {
 
     /// The words that begin a layer: of a facade map its facts are remembered.
     void learn(LayerId layer, std::span<const uint32_t> words);
+    /// A facade map of which too few words were learnt.
+    bool is_partial(LayerId layer) const {
+        return layer < map_facts_.size() && map_facts_[layer].form != 0 && map_facts_[layer].size[0] == 0;
+    }
 
     /// Of facade maps, by layer.
     std::span<const FacadeMapFacts> map_facts() const { return map_facts_; }

@@ -60,6 +60,10 @@ Status check_sun_and_exposure(const FrameLight& light) {
     return light.sun ? check_sun(*light.sun) : Status(Done{});
 }
 
+bool lights_surfaces(const Sun& sun) {
+    return sun.direction[2] > 0 && luminance(sun.irradiance) > 0;
+}
+
 LightConstants light_constants(const FrameLight& light, const std::array<float, 3>& irradiance_unit, float map_scale) {
     const double exposure = light.exposure, white = exposure / kPi;
     LightConstants constants{};
@@ -73,9 +77,10 @@ LightConstants light_constants(const FrameLight& light, const std::array<float, 
     constants.map_height = light.background.height;
     constants.map_scale = static_cast<float>(exposure * map_scale);
     if (!light.sun) return constants;
+    const bool lit = lights_surfaces(*light.sun);
     const double radius = light.sun->angular_radius, solid_angle = 2 * kPi * (1 - std::cos(radius));
     for (size_t i = 0; i < 3; ++i) {
-        constants.sun[i] = static_cast<float>(white * light.sun->irradiance[i]);
+        constants.sun[i] = lit ? static_cast<float>(white * light.sun->irradiance[i]) : 0.0F;
         constants.to_sun[i] = static_cast<float>(light.sun->direction[i]);
         constants.disc[i] = static_cast<float>(exposure * light.sun->irradiance[i] / solid_angle);
     }

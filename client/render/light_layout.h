@@ -46,6 +46,8 @@ struct LightConstants {
 struct RadianceDraw {
     uint layer[2]; /* reference (draw_layout.h) of the words of codec/radiance/radiance_layer.h; 0: none */
     uint light[2]; /* address of the frame's LightConstants */
+    int offset[3]; /* grid units: the tile's origin from that of the tile whose words they are */
+    uint reserved;
 };
 
 /* Push constants of the sky pass: the rows of FrameConstants, and the light. */
@@ -58,7 +60,7 @@ struct SkyConstants {
 };
 
 #ifdef __cplusplus
-static_assert(sizeof(ShadowCascade) == 64 && sizeof(RadianceDraw) == 16 && sizeof(SkyConstants) == 48);
+static_assert(sizeof(ShadowCascade) == 64 && sizeof(RadianceDraw) == 32 && sizeof(SkyConstants) == 48);
 static_assert(sizeof(LightConstants) == 4 * (3 * AMBIENT_TERMS + 21) + 64 * SHADOW_CASCADES);
 }  // namespace citystream::client
 #endif

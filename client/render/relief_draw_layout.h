@@ -30,7 +30,7 @@ struct ReliefDrawEntry {
 #define RELIEF_WALL_PIXELS 8.0
 
 #ifdef __cplusplus
-static_assert(sizeof(ReliefDraw) == 32 && sizeof(ReliefDrawEntry) == 16);
+static_assert(sizeof(ReliefDraw) == 48 && sizeof(ReliefDrawEntry) == 16);
 }  // namespace citystream::client
 #endif
 

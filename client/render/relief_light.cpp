@@ -13,6 +13,11 @@ namespace {
 
 constexpr double kMetresPerGridUnit = 1.0 / 1024;
 
+codec::radiance::FacadeScales scales_on(const ReliefWall& wall, const FacadeMapFacts& facts) {
+    return {static_cast<float>(facts.size[0] / std::hypot(wall.along[0], wall.along[1])),
+            static_cast<float>(facts.size[1] / wall.height)};
+}
+
 }  // namespace
 
 std::vector<ReliefWall> relief_walls(std::span<const uint32_t> words) {
@@ -53,8 +58,11 @@ WallPixels wall_pixels(const ReliefWall& wall, const std::array<double, 3>& orig
     return {pixels / std::max(nearest, camera.near_plane), pixels / std::max(farthest, camera.near_plane)};
 }
 
-ReliefLight::ReliefLight(const Device& device, SlotPool& pool, FacadeRenderer renderer, uint64_t btf_budget_bytes)
-    : renderer_(renderer), masks_(device, pool), btfs_(device, pool, masks_, btf_budget_bytes, btf_options_) {}
+ReliefLight::ReliefLight(const Device& device, SlotPool& pool, FacadeRenderer renderer, uint64_t btf_budget_bytes,
+                         uint64_t most_rays)
+    : renderer_(renderer),
+      masks_(device, pool, {device.is_cpu, most_rays}),
+      btfs_(device, pool, masks_, btf_budget_bytes, btf_options_, {device.is_cpu, most_rays}) {}
 
 void ReliefLight::learn(LayerId layer, std::span<const uint32_t> words) {
     forget(layer);
@@ -67,6 +75,7 @@ void ReliefLight::learn(LayerId layer, std::span<const uint32_t> words) {
 void ReliefLight::forget_light(LayerId layer) {
     masks_.forget(layer);
     btfs_.forget(layer);
+    scales_.erase(layer);
 }
 
 void ReliefLight::forget(LayerId layer) {
@@ -87,11 +96,13 @@ void ReliefLight::want(const Camera& camera, const TileDraw& tile, std::span<con
         if (layer >= facts.size()) continue;
         const auto caster = caster_for(renderer_, facts[layer].form);
         const WallPixels pixels = wall_pixels(walls->second[i], tile.origin, camera, height);
-        if (!caster || pixels.most == 0) continue;
+        if (!caster || pixels.most == 0 || facts[layer].size[0] == 0) continue;
         const double middle = std::sqrt(pixels.most * pixels.least);
         ++(middle >= RELIEF_CAST_PIXELS * patch ? cast_ : middle >= RELIEF_WALL_PIXELS ? by_btf_ : by_mean_);
         Wanted& wanted = wanted_[layer];
-        wanted.map = {layer, *caster, facts[layer].slots, facts[layer].is_opaque};
+        if (pixels.most > wanted.pixels)
+            wanted.map = {layer, *caster, facts[layer].slots, facts[layer].is_opaque,
+                          scales_on(walls->second[i], facts[layer])};
         wanted.mask |= pixels.most > RELIEF_CAST_PIXELS / 2 * patch;
         wanted.btf |= pixels.least < RELIEF_CAST_PIXELS * patch;
         wanted.pixels = std::max(wanted.pixels, pixels.most);
@@ -102,7 +113,10 @@ void ReliefLight::want(const Camera& camera, const TileDraw& tile, std::span<con
 // come before, so that maps of one size do not take turns.
 std::vector<ReliefLight::Wanted> ReliefLight::wanted_with_room() const {
     std::vector<Wanted> wanted;
-    for (const auto& [layer, entry] : wanted_) wanted.push_back(entry);
+    for (const auto& [layer, entry] : wanted_) {
+        wanted.push_back(entry);
+        wanted.back().map.scales = scales_.at(layer);
+    }
     const auto before = [&](const Wanted& a, const Wanted& b) {
         const bool a_is_there = !btfs_.is_missing(a.map.map), b_is_there = !btfs_.is_missing(b.map.map);
         return a_is_there != b_is_there ? a_is_there : a.pixels > b.pixels;
@@ -125,11 +139,16 @@ Status ReliefLight::plan(const Camera& camera, std::span<const TileDraw> tiles, 
     for (const TileDraw& tile : tiles) {
         if (has_facades(tile) && lighting.local_light(tile.radiance) != kNoLayer) want(camera, tile, facts, height);
     }
+    for (const auto& [layer, wanted] : wanted_) scales_.try_emplace(layer, wanted.map.scales);
     std::vector<ReliefMap> with_mask, with_btf;
-    for (const Wanted& wanted : wanted_with_room()) {
+    std::vector<Wanted> all = wanted_with_room();
+    for (const Wanted& wanted : all) {
+        if (wanted.btf) with_btf.push_back(wanted.map);
+    }
+    std::ranges::stable_sort(all, std::greater(), &Wanted::pixels);
+    for (const Wanted& wanted : all) {
         const bool makes_btf = wanted.btf && btfs_.is_missing(wanted.map.map);
         if (wanted.mask || makes_btf) with_mask.push_back(wanted.map);
-        if (wanted.btf) with_btf.push_back(wanted.map);
     }
     if (const Status status = masks_.plan(with_mask); !status) return status.error();
     return btfs_.plan(with_btf);

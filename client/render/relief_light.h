@@ -2,6 +2,9 @@
 // maps get a mask or a BTF (relief_masks.h, btf_store.h), and what each tile's draws name of them. Nothing is made
 // before such a frame, and nothing where it is left out.
 //
+// Walls that stretch one map differently share its mask and its BTF: those of the wall that covers the most pixels in
+// the frame that first wants them.
+//
 // Errors: VulkanError, or Status where said. Not thread safe; nothing may be in flight on the queue but where record()
 // says so.
 #pragma once
@@ -40,8 +43,10 @@ WallPixels wall_pixels(const ReliefWall& wall, const std::array<double, 3>& orig
 
 class ReliefLight {
   public:
-    /// `device` and `pool` outlive it. `btf_budget_bytes`: of the BTFs' buffer.
-    ReliefLight(const Device& device, SlotPool& pool, FacadeRenderer renderer, uint64_t btf_budget_bytes);
+    /// `device` and `pool` outlive it. `btf_budget_bytes`: of the BTFs' buffer. `most_rays`: as ReliefMaking has it;
+    /// software drivers leave the making to the host.
+    ReliefLight(const Device& device, SlotPool& pool, FacadeRenderer renderer, uint64_t btf_budget_bytes,
+                uint64_t most_rays);
 
     /// The words that begin a layer, of any kind; once more replaces what was known.
     void learn(LayerId layer, std::span<const uint32_t> words);
@@ -85,8 +90,9 @@ class ReliefLight {
     BtfStore btfs_;
     std::map<LayerId, std::vector<ReliefWall>> walls_;  ///< by facade layer
     std::set<LayerId> partial_;
-    std::map<LayerId, Wanted> wanted_;              ///< by map
-    uint64_t cast_ = 0, by_btf_ = 0, by_mean_ = 0;  ///< facades of the frame
+    std::map<LayerId, Wanted> wanted_;                         ///< by map
+    std::map<LayerId, codec::radiance::FacadeScales> scales_;  ///< by map, from when it is first wanted
+    uint64_t cast_ = 0, by_btf_ = 0, by_mean_ = 0;             ///< facades of the frame
 };
 
 }  // namespace citystream::client

@@ -11,7 +11,7 @@
 namespace citystream::client {
 #endif
 
-/* A workgroup makes one texel of a mask, a thread a direction. */
+/* A workgroup makes one surface of a mask, a thread a direction. */
 #define RELIEF_MASK_GROUP RELIEF_DIRECTIONS
 
 /* A workgroup makes four texels of a BTF: a thread a ray of each, then a thread four directions of each. */
@@ -22,9 +22,10 @@ namespace citystream::client {
 #define RELIEF_PASS_ROW_GROUPS 32768
 
 struct ReliefMaskPassConstants {
-    uint map[2];  /* references as in TileConstants */
-    uint mask[2]; /* whose head is there */
-    uint texels;
+    uint map[2];     /* references as in TileConstants */
+    uint mask[2];    /* with starts in place of bits */
+    uint first_word; /* of the first surface that is made */
+    uint surfaces;
 };
 
 struct BtfPassConstants {
@@ -33,11 +34,13 @@ struct BtfPassConstants {
     uint btf[2]; /* reference of words in one piece, whose head is there */
     uint mip;    /* of btf_mip: the one to make, from the finer one */
     uint groups; /* of the dispatch */
+    uint first_group;
+    uint reserved;
 };
 
 #ifdef __cplusplus
 static_assert(BTF_GROUP == BTF_GROUP_TEXELS * BTF_RAYS && BTF_GROUP == BTF_GROUP_TEXELS * BTF_RECORD_SLOTS);
-static_assert(sizeof(ReliefMaskPassConstants) == 20 && sizeof(BtfPassConstants) == 32);
+static_assert(sizeof(ReliefMaskPassConstants) == 24 && sizeof(BtfPassConstants) == 40);
 }  // namespace citystream::client
 #endif
 

@@ -29,8 +29,8 @@ namespace citystream::client {
 #define TWIN_RELIEF_INPUT_WORDS 5 /* point (float bits), label, axis | sign > 0 << 8 */
 #define TWIN_RELIEF_WORDS 128     /* float bits: how free each of 64 directions is, its weight */
 #define TWIN_BTF_INPUT_WORDS 9    /* place uv, to the viewer, to the sun (float bits), mip */
-#define TWIN_BTF_WORDS 83         /* 64 values, 16 slots' shares, coverage, sun's cosine (float bits); slots */
-#define TWIN_HIT_WORDS 4          /* hit, t (float bits), label, axis | sign > 0 << 8 */
+#define TWIN_BTF_WORDS 84 /* 64 values, 16 slots' shares, coverage, sun's cosine (float bits); slots; openness */
+#define TWIN_HIT_WORDS 4  /* hit, t (float bits), label, axis | sign > 0 << 8 */
 
 struct TwinConstants {
     uint layer[2]; /* reference as in TileConstants */

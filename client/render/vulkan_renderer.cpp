@@ -159,7 +159,8 @@ Status Renderer::start() {
     // Software drivers test depth before a fragment shader only where that writes none.
     passes_.emplace(device_, target_,
                     device_.has_fragment_atomics64 && options_.keyed_facades.value_or(device_.is_cpu));
-    if (options_.meso) relief_.emplace(device_, pool_, options_.facade_renderer, options_.btf_budget_bytes);
+    if (options_.meso)
+        relief_.emplace(device_, pool_, options_.facade_renderer, options_.btf_budget_bytes, options_.relief_rays);
     timestamps_.emplace(device_);
     recorded_.device = &device_;
     recorded_.target = &target_;
@@ -200,6 +201,7 @@ Status Renderer::append(LayerId layer, std::span<const uint32_t> words) {
         const auto all_words = [&] { return read_words(pool_, layer, pool_.layers[layer].words); };
         if (mesh_draws_.is_partial(layer)) mesh_draws_.learn(layer, all_words());
         if (relief_ && relief_->is_partial(layer)) relief_->learn(layer, all_words());
+        if (relief_ && tiles_->is_partial(layer)) tiles_->learn(layer, all_words());
         return status;
     } catch (const VulkanError& error) {
         return Error{error.what()};

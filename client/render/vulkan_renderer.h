@@ -42,6 +42,9 @@ struct RendererOptions {
     /// the budget; BTFs have one of their own, taken when the first is made.
     bool meso = false;
     uint64_t btf_budget_bytes = 64ull << 20;
+    /// Rays that a frame may cast to make masks, and as many for BTFs; 0: all that it needs. What is not made yet is
+    /// drawn as without.
+    uint64_t relief_rays = 0;
     bool validation = false;  ///< Khronos validation with synchronization validation; messages are counted
     std::array<float, 4> background = {-1, 0, 0, 0};  ///< sRGB 0..1; first < 0: the sky of lighting_layout.h
 };

@@ -132,10 +132,7 @@ Status Sweep::prepare_light(const Setting& setting, const tiles::tileset::Manife
     if (out.radiance) {
         options_.light->set_texels_across(manifest.radiance_texels_across);
     } else {
-        out.warnings.push_back(fmt::format(
-            "{} {}: this city has no radiance layer (citystream-build --layers ...,radiance): the sky lights it "
-            "without shadows",
-            setting.knob, setting.label()));
+        out.warnings.push_back(fmt::format("{} {}: {}", setting.knob, setting.label(), kNoRadianceLayer));
     }
     return Done{};
 }
@@ -346,8 +343,8 @@ std::string Setting::series() const {
 }
 
 bool is_of_light(const std::string& knob) {
-    constexpr std::array<std::string_view, 6> kOfLight = {"matrix-error", "light-tolerance", "matrix",
-                                                          "lattice",      "directions",      "local-directions"};
+    constexpr std::array<std::string_view, 7> kOfLight = {
+        "matrix-error", "light-tolerance", "matrix", "lattice", "directions", "local-directions", "radiance-transport"};
     return std::find(kOfLight.begin(), kOfLight.end(), knob) != kOfLight.end();
 }
 

@@ -25,8 +25,9 @@ struct Setting {
     /// "map-level", "facade-renderer" or "facade-samples" (names as citystream-fly takes them); of light
     /// "light-tolerance" and "matrix-error" (relative radiance), "matrix" (a name as citystream-fly takes it); of the
     /// archive that is flown "saliency" (a name as citystream-build takes it), "rate-distortion" and "normal-bits"
-    /// (numbers), "mesh-transport", "mesh-topology", "precision" and "mesh-steps" (names as citystream-build takes
-    /// them), "lattice" (metres), "directions" and "local-directions" (on a side), "archive" (a name of its own).
+    /// (numbers), "mesh-transport", "mesh-topology", "precision", "mesh-steps" and "radiance-transport" (names as
+    /// citystream-build takes them), "lattice" (metres), "directions" and "local-directions" (on a side), "archive" (a
+    /// name of its own).
     std::string knob;
     double value = 0;   ///< of a knob that has numbers
     std::string name;   ///< of a knob that has names

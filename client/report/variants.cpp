@@ -41,9 +41,9 @@ Status run_program(const std::vector<std::string>& command) {
 }  // namespace
 
 bool is_built(const std::string& knob) {
-    constexpr std::array<std::string_view, 10> kBuilt = {
-        "saliency",  "rate-distortion", "mesh-transport", "normal-bits", "mesh-topology",
-        "precision", "mesh-steps",      "lattice",        "directions",  "local-directions"};
+    constexpr std::array<std::string_view, 11> kBuilt = {
+        "saliency",   "rate-distortion", "mesh-transport", "normal-bits",      "mesh-topology",     "precision",
+        "mesh-steps", "lattice",         "directions",     "local-directions", "radiance-transport"};
     return std::find(kBuilt.begin(), kBuilt.end(), knob) != kBuilt.end();
 }
 

@@ -20,8 +20,8 @@ struct VariantOptions {
 };
 
 /// Whether a knob's settings are archives of their own: "saliency", "rate-distortion", "mesh-transport", "normal-bits",
-/// "mesh-topology", "precision", "mesh-steps", "lattice", "directions" and "local-directions", each the name of an
-/// option of citystream-build.
+/// "mesh-topology", "precision", "mesh-steps", "lattice", "directions", "local-directions" and
+/// "radiance-transport", each the name of an option of citystream-build.
 bool is_built(const std::string& knob);
 
 /// citystream-build beside the running program; its plain name (to be found by PATH) where there is none.

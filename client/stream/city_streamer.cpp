@@ -32,6 +32,9 @@ constexpr uint64_t kManifestLimit = 4u << 20;
 constexpr int kMostRounds =
     256;  // of one waiting update; each learns something, so this is never the limit in practice
 constexpr std::chrono::milliseconds kWaitSlice{100};
+/// Under way in realtime mode. They are large, and one that was sent is not overtaken: the next view's tiles shall find
+/// connections of the fetcher's idle.
+constexpr size_t kMostLightRequests = 3;
 
 MapOptions map_options(const StreamerOptions& options) {
     MapOptions maps;
@@ -94,7 +97,7 @@ class Streamer final : public CityStreamer {
     std::vector<PlannedRequest> plan(const Camera& camera, bool directory_first);
     std::vector<PlannedRequest> plan_shadows(const Camera& camera);
     void trim() { trim_surplus(view_, directory_, knowledge_, cache_, host_); }
-    void upload_all();
+    void upload_all(const Camera& camera);
     bool admit(const PlannedRequest& request) {
         return requests_.admit(request, view_.selection().cost.largest_scratch);
     }
@@ -171,7 +174,6 @@ void Streamer::report(StreamerFrame& frame) {
     frame.light_bytes = cache_.light_bytes_in_store();
     frame.light_row_error = counters.light_row_error;
     frame.light_quarters_dropped = counters.light_quarters_dropped;
-    frame.light_bytes = cache_.light_bytes_in_store();
     frame.light_tolerance_used = view_.selection().light_tolerance;
     frame.facade_maps = cache_.maps_in_store();
     frame.shared_charts = cache_.charts_in_store();
@@ -192,7 +194,7 @@ void Streamer::advance_waiting(const Camera& camera) {
         if (!fetch_all_in_sight(camera)) {
             occlusion_.look_everywhere();
             choose(camera);
-            upload_all();
+            upload_all(camera);
             return;
         }
     } while (occlusion_.is_on() && view_.selection().tolerance > std::exchange(tolerance, view_.selection().tolerance));
@@ -211,7 +213,7 @@ bool Streamer::fetch_all_in_sight(const Camera& camera) {
     for (int round = 0; round < kMostRounds && !stopped(); ++round) {
         const uint64_t known = dictionary_changes(), lights_known = knowledge_.light_sizes_learnt;
         choose(camera);
-        upload_all();
+        upload_all(camera);
         view_.count_hits(*frame_);
         if (dictionary_changes() != known) continue;
         if (view_.selection().light_left_out && knowledge_.light_sizes_learnt != lights_known) continue;
@@ -234,11 +236,11 @@ void Streamer::advance_realtime(const Camera& camera) {
     std::vector<PlannedRequest> shadows = plan_shadows(camera);
     view_.count_hits(*frame_);
     requests_.cancel_unwanted(view_);
-    upload_all();
+    upload_all(camera);
     const uint32_t most = options_.max_requests_in_flight;
     for (const PlannedRequest& request : plan(camera, false)) {
-        // The next view's tiles shall not have to wait for the light of this one.
-        if (requests_.size() >= (is_light(request) ? (most + 1) / 2 : most)) break;
+        if (requests_.size() >= most) break;
+        if (is_light(request) && requests_.lights() >= kMostLightRequests) continue;
         if (admit(request)) submit(request);
     }
     if (!requests_.empty()) return;
@@ -257,7 +259,7 @@ std::vector<PlannedRequest> Streamer::plan_shadows(const Camera& camera) {
         view_.choose_casters(camera, *to_sun_);
     }
     trim();
-    upload_all();
+    upload_all(camera);
     for (const SelectedTile& tile : view_.casters().tiles) residency_.upload(tile);
     const std::vector<TileAddress> none;
     return plan_casters(directory_, knowledge_, cache_, view_.casters().tiles,
@@ -270,11 +272,11 @@ void Streamer::choose(const Camera& camera) {
     trim();
 }
 
-void Streamer::upload_all() {
+void Streamer::upload_all(const Camera& camera) {
     for (const SelectedTile& tile : view_.needed()) residency_.upload(tile);
     if (knowledge_.dictionary.known()) maps_.upload(view_.needed());
     if (!view_.needed_charts().empty()) charts_.upload(view_.needed_charts());
-    if (options_.light_tolerance) lights_.upload(view_.needed());
+    if (options_.light_tolerance) lights_.upload(view_.needed(), camera);
 }
 
 std::vector<PlannedRequest> Streamer::plan(const Camera& camera, bool directory_first) {

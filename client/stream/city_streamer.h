@@ -73,6 +73,7 @@ struct StreamerFrame {
     uint64_t map_conversions = 0, map_conversions_refused = 0;             ///< to the renderer's form, or not to it
     double map_conversion_ms = 0;                                          ///< all cores together
     uint64_t light_tiles = 0;                                              ///< drawn with a radiance layer of their own
+    uint64_t light_inherited_tiles = 0;                                    ///< with that of an ancestor
     uint64_t light_layers = 0;                                             ///< radiance layers in the store after it
     uint64_t light_bytes = 0;                                              ///< that they take there
     uint64_t light_decodes = 0;                                            ///< prefixes of them

@@ -66,8 +66,7 @@ void DrawList::add(NodeIndex node, const Selection& selection, const SelectedTil
     const SelectedTile* shown = options_.wait_for_selection ? tile : nullptr;
     draws_.push_back(residency_.draw(node, shown));
     TileDraw& draw = draws_.back();
-    draw.radiance = lights_.to_draw(node, shown);
-    if (draw.radiance != kNoLayer) ++frame.light_tiles;
+    if (const auto light = lights_.to_draw(node, shown)) light_by(node, *light, draw, frame);
     clamp_mips(node, selection.texel_tolerance, draw);
     drop_positions(node, selection.positions, tile, draw);
     count_bits(node, draw);
@@ -82,6 +81,17 @@ void DrawList::add(NodeIndex node, const Selection& selection, const SelectedTil
     frame.geometry_error_pixels = std::max(frame.geometry_error_pixels, geometry);
     frame.position_error_pixels = std::max(frame.position_error_pixels, position);
     frame.achieved_error_pixels = std::max(frame.achieved_error_pixels, geometry + position);
+}
+
+void DrawList::light_by(NodeIndex node, const LightResidency::Source& light, TileDraw& draw,
+                        StreamerFrame& frame) const {
+    const auto& manifest = directory_.manifest();
+    const GridPoint own = manifest.tile_origin(*directory_.node(node).record);
+    const GridPoint origin = manifest.tile_origin(*directory_.node(light.node).record);
+    draw.radiance = light.layer;
+    draw.radiance_offset = {static_cast<int32_t>(own.x - origin.x), static_cast<int32_t>(own.y - origin.y),
+                            static_cast<int32_t>(own.z - origin.z)};
+    ++(light.node == node ? frame.light_tiles : frame.light_inherited_tiles);
 }
 
 void DrawList::clamp_mips(NodeIndex node, double pixels, TileDraw& draw) const {

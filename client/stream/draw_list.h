@@ -41,6 +41,7 @@ class DrawList {
 
   private:
     void add(NodeIndex node, const Selection& selection, const SelectedTile* tile, StreamerFrame& frame);
+    void light_by(NodeIndex node, const LightResidency::Source& light, TileDraw& draw, StreamerFrame& frame) const;
     void clamp_mips(NodeIndex node, double pixels, TileDraw& draw) const;
     void drop_positions(NodeIndex node, const PositionRule& positions, const SelectedTile* tile, TileDraw& draw) const;
     bool is_covered(NodeIndex node) const;

@@ -37,6 +37,7 @@ Json frame_light_json(const FlightFrame& frame) {
             {"number", l.number},
             {"tolerance_used", s.light_tolerance_used},
             {"tiles", s.light_tiles},
+            {"inherited_tiles", s.light_inherited_tiles},
             {"layers", s.light_layers},
             {"casters", s.caster_tiles},
             {"decodes", s.light_decodes},

@@ -19,7 +19,9 @@ constexpr double kOpening = 1e200;  // factor on the gain of openings, below the
 constexpr double kFacadeIndexPriority = 1e150;
 constexpr double kChartIndexPriority = 1e249;  // no tile that names shared charts is drawn without it
 constexpr double kLeastGain = 1e-3;            // pixels: keeps an order among steps that promise nothing
-constexpr double kLight = 1e-100;              // factor on the gain of light, below all else
+constexpr double kLight = 1e-100;              // factor on the gain of light that comes below all else
+constexpr double kPixelsOfLight = 8;           // and of other light: pixels of error that are as bad as no light
+constexpr double kLightOfAll = 1e10;           // factor on that of the stand-in, which lights all tiles for a while
 constexpr double kCasters = 1e-200;            // factor on the gain of casters, below light
 constexpr double kErrorWithoutLight = 1;       // all of the light may be blocked
 
@@ -190,11 +192,16 @@ void Planner::add_tile(const SelectedTile& tile) {
     }
 }
 
+/// Where a coarse picture is to come soon the first step comes alone, and what follows it when that has been decoded:
+/// decoding is slower than most networks.
 void Planner::add_light(const SelectedTile& tile) {
-    const uint32_t wanted = tile.steps_of(Layer::kRadiance);
-    if (wanted == 0) return;
+    const uint32_t all = tile.steps_of(Layer::kRadiance);
+    if (all == 0) return;
     const CachedLayer& entry = cache_.at(layer_key(tile.node, Layer::kRadiance));
+    const bool opens = coarse_first_ && entry.wire_steps == 0 && entry.store_steps == 0;
+    const uint32_t wanted = opens ? 1 : all;
     if (wanted <= entry.wire_steps || wanted <= entry.store_steps || entry.requested != 0) return;
+    if (coarse_first_ && !opens && entry.store_steps == 0) return;
     const TileRecord& record = *directory_.node(tile.node).record;
     const std::vector<StepRecord>& steps = record.steps(Layer::kRadiance);
     PlannedRequest request;
@@ -206,8 +213,10 @@ void Planner::add_light(const SelectedTile& tile) {
     request.length = steps[wanted - 1].end - request.offset;
     const double before = entry.store_steps > 0 ? steps[entry.store_steps - 1].error : kErrorWithoutLight;
     const double gain = std::max(before - steps[wanted - 1].error, kLeastGain);
-    request.priority = kLight * gain * screen_area(record.bounds, tile.pixels_per_metre, camera_) /
+    request.priority = (coarse_first_ ? kPixelsOfLight : kLight) * gain *
+                       screen_area(record.bounds, tile.pixels_per_metre, camera_) /
                        static_cast<double>(std::max<uint64_t>(1, request.length));
+    if (tile.node == stand_in_) request.priority *= kLightOfAll;
     out.push_back(request);
 }
 
@@ -434,7 +443,7 @@ std::vector<PlannedRequest> plan_requests(const DirectoryCache& directory, const
     if (knowledge.dictionary.known()) planner.add_maps(tiles, options.host_room);
     planner.add_charts(tiles, codec::atlas::kMostChartLevels, options.host_room);
     for (const SelectedTile& tile : tiles) {
-        if (options.light && !planner.is_missing(tile)) planner.add_light(tile);
+        if (options.light && (tile.node == stand_in || !planner.is_missing(tile))) planner.add_light(tile);
     }
     order(planner.out);
     return std::move(planner.out);

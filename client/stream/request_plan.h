@@ -39,7 +39,9 @@ struct PlanOptions {
     /// Host memory has room beside what the view needs: levels of maps or of charts that few bytes part are one range,
     /// whose bytes between come along, and the stand-in may go before the view.
     bool host_room = true;
-    /// Ask for light, too, of tiles that have begun to show: below all other priorities.
+    /// Ask for light, too, of tiles that have begun to show, and first of the stand-in's. With coarse_first its gain is
+    /// weighed with that of other layers: a tile's first step of light, and when that is in the store what follows it.
+    /// Else it comes below all other priorities.
     bool light = false;
 };
 

@@ -118,6 +118,7 @@ void RequestsUnderWay::cancel_unwanted(const ViewChoice& view) {
 }
 
 void RequestsUnderWay::mark_requested(const PlannedRequest& request, bool requested) {
+    if (is_light(request)) lights_ += requested ? 1 : ~size_t{0};
     const auto mark_pieces = [&](const auto& pieces) {
         for (uint32_t piece = request.from; piece != request.to; piece = pieces.dictionary.next(piece)) {
             const uint32_t step = pieces.step(piece);

@@ -27,6 +27,7 @@ class RequestsUnderWay {
 
     bool empty() const { return in_flight_.empty(); }
     size_t size() const { return in_flight_.size(); }
+    size_t lights() const { return lights_; }  ///< of them: for light
     bool has_subtree(tiles::tileset::TileAddress root) const;
     bool has_facade_index() const { return facade_index_requested_; }
     bool has_chart_index() const { return chart_index_requested_; }
@@ -59,6 +60,7 @@ class RequestsUnderWay {
     HostMemory& host_;
     std::map<uint64_t, InFlight> in_flight_;
     uint64_t next_id_ = 1;
+    size_t lights_ = 0;
     bool facade_index_requested_ = false, chart_index_requested_ = false;
 };
 

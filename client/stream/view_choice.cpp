@@ -12,6 +12,9 @@ using tiles::tileset::Layer;
 
 namespace {
 
+/// The root's light may take this part of the store.
+constexpr uint64_t kStandInLightShare = 8;
+
 /// Of the root when it stands in for a view: the whole mesh, for its first step alone looks like nothing.
 uint8_t stand_in_steps(const tiles::tileset::TileRecord& root, Layer layer) {
     const size_t steps = root.steps(layer).size();
@@ -60,7 +63,7 @@ SelectionBudget ViewChoice::selection_budget() const {
         const auto& root = *directory_.node(0).record;
         const SelectedTile tile = stand_in();
         uint64_t reserve = 0;
-        for (const Layer layer : {Layer::kMesh, Layer::kAtlas}) {
+        for (const Layer layer : {Layer::kMesh, Layer::kAtlas, Layer::kRadiance}) {
             reserve += store_.slots_for(decoded_prefix_bytes(root.steps(layer), tile.steps_of(layer)));
         }
         for (const ChartPrefix& chart : tile.charts) {
@@ -105,8 +108,8 @@ void ViewChoice::warn_of_budgets() {
     }
 }
 
-/// In realtime mode the root stays resident with its coarsest textures, so that there is always something to fall back
-/// to.
+/// In realtime mode the root stays resident with its coarsest textures and light, so that there is always something to
+/// fall back to.
 void ViewChoice::pin_root() {
     if (directory_.nodes().empty() || is_selected(0) || !can_be_drawn(directory_, knowledge_, 0)) return;
     needed_.push_back(stand_in());
@@ -121,12 +124,21 @@ SelectedTile ViewChoice::stand_in() const {
         root.steps[static_cast<size_t>(layer)] = std::min(stand_in_steps(*directory_.node(0).record, layer),
                                                           knowledge_.tiles[0].usable_steps[static_cast<size_t>(layer)]);
     }
+    root.steps[static_cast<size_t>(Layer::kRadiance)] = stand_in_light();
     if (!knowledge_.charts.known()) return root;
     for (const auto& use : knowledge_.tiles[0].charts) {
         if (knowledge_.charts.usable_levels(use.number) > 0) root.charts.push_back({use.number, 1});
     }
     merge_prefixes(root.charts);
     return root;
+}
+
+/// Steps of the root's light, by which all tiles are lit that neither have their own yet nor a nearer ancestor's.
+uint8_t ViewChoice::stand_in_light() const {
+    const auto& steps = directory_.node(0).record->steps(Layer::kRadiance);
+    if (!options_.light_tolerance || steps.empty()) return 0;
+    const bool is_small = store_.slots_for(steps[0].decoded_bytes) <= store_.slot_count() / kStandInLightShare;
+    return is_small ? std::min<uint8_t>(1, knowledge_.tiles[0].usable_steps[static_cast<size_t>(Layer::kRadiance)]) : 0;
 }
 
 void ViewChoice::mark_needed() {

@@ -72,6 +72,7 @@ class ViewChoice {
     SelectionBudget selection_budget() const;
     void pin_root();
     SelectedTile stand_in() const;
+    uint8_t stand_in_light() const;
     void mark_needed();
 
     const DirectoryCache& directory_;

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <iterator>
 #include <numeric>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -151,6 +152,19 @@ void merge_equal_rows(Biclusters& clusters) {
     clusters = std::move(merged);
 }
 
+Biclusters rows_as_clusters(const Transfer& rows) {
+    Biclusters clusters;
+    clusters.rows = rows.rows();
+    clusters.columns = rows.columns;
+    for (uint32_t j = 0; j < rows.rows(); ++j) {
+        const size_t begin = rows.row_begin[j], count = rows.row_begin[j + 1] - begin;
+        if (count == 0) continue;
+        clusters.add(std::span(&j, 1), std::span(rows.column).subspan(begin, count),
+                     std::span(rows.quarters).subspan(begin, count));
+    }
+    return clusters;
+}
+
 Transfer sum_of(const Biclusters& clusters) {
     Transfer transfer{clusters.columns, {0}, {}, {}};
     RowSums sums(clusters);
@@ -159,6 +173,23 @@ Transfer sum_of(const Biclusters& clusters) {
             transfer.column.push_back(column);
             transfer.quarters.push_back(static_cast<int8_t>(sum));
         });
+        transfer.row_begin.push_back(static_cast<uint32_t>(transfer.column.size()));
+    }
+    return transfer;
+}
+
+Result<Transfer> checked_sum_of(const Biclusters& clusters, uint64_t most_entries, int32_t most_quarters) {
+    Transfer transfer{clusters.columns, {0}, {}, {}};
+    RowSums sums(clusters);
+    bool in_range = true;
+    for (uint32_t row = 0; row < clusters.rows; ++row) {
+        sums.visit_row(row, [&](uint16_t column, int32_t sum) {
+            in_range = in_range && sum >= 1 && sum <= most_quarters;
+            transfer.column.push_back(column);
+            transfer.quarters.push_back(static_cast<int8_t>(sum));
+        });
+        if (!in_range) return Error{"biclusters that add up to what no matrix has, in row " + std::to_string(row)};
+        if (transfer.nonzeros() > most_entries) return Error{"biclusters that add up to more than there may be"};
         transfer.row_begin.push_back(static_cast<uint32_t>(transfer.column.size()));
     }
     return transfer;

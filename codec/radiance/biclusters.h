@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "codec/radiance/transfer.h"
+#include "codec/result.h"
 
 namespace citystream::codec::radiance {
 
@@ -44,8 +45,14 @@ void sort_by_first_row(Biclusters& clusters);
 /// that come to 0 go, too; a cluster whose sums would leave int8 stays by itself.
 void merge_equal_rows(Biclusters& clusters);
 
+/// Each row as a cluster of its own; rows without entries are none.
+Biclusters rows_as_clusters(const Transfer& rows);
+
 /// The matrix that the clusters add up to, which must be within int8. O(entries of clusters).
 Transfer sum_of(const Biclusters& clusters);
+
+/// The same of clusters from anywhere. Error: more than `most_entries`, or one that is not of 1..`most_quarters`.
+Result<Transfer> checked_sum_of(const Biclusters& clusters, uint64_t most_entries, int32_t most_quarters);
 
 /// What a quarter of a column counts; no weights: 1.
 inline uint32_t weight_of(std::span<const uint32_t> column_weights, uint32_t column) {

@@ -51,21 +51,15 @@ struct Meeting {
     bool hit = false;
 };
 
-/// Fills a BTF's words: the finest mips by rays, then the others.
+/// Fills a view of a BTF's words: the finest mip by rays, then the others.
 class Maker {
   public:
-    Maker(const RunGrid& grid, const ReliefMaskView& mask, const BtfShape& shape)
-        : grid_(grid), depths_(grid.depths()), mask_(mask), shape_(shape) {
-        words_ = btf_head(shape, palette_slots(grid), mask.scales());
-        words_.resize(shape.words(), 0);
-    }
+    Maker(const RunGrid& grid, const ReliefMaskView& mask, const BtfShape& shape, std::span<uint32_t> words)
+        : grid_(grid), depths_(grid.depths()), mask_(mask), shape_(shape), words_(words) {}
 
-    std::vector<uint32_t> make() && {
-        for (uint32_t view = 0; view < shape_.views(); ++view) {
-            for (uint32_t texel = 0; texel < shape_.patch() * shape_.patch(); ++texel) make_texel(view, texel);
-            for (uint32_t mip = 1; mip < shape_.mips(); ++mip) make_mip(view, mip);
-        }
-        return std::move(words_);
+    void make(uint32_t view) {
+        for (uint32_t texel = 0; texel < shape_.patch() * shape_.patch(); ++texel) make_texel(view, texel);
+        for (uint32_t mip = 1; mip < shape_.mips(); ++mip) make_mip(view, mip);
     }
 
   private:
@@ -81,7 +75,7 @@ class Maker {
     facade::DepthRange depths_;
     const ReliefMaskView& mask_;
     BtfShape shape_;
-    std::vector<uint32_t> words_;
+    std::span<uint32_t> words_;
 };
 
 Meeting Maker::cast(uint32_t view, uint32_t texel, uint32_t ray) const {
@@ -114,7 +108,8 @@ Meeting Maker::cast(uint32_t view, uint32_t texel, uint32_t ray) const {
                      hit.normal_axis, hit.normal_sign);
     const auto best =
         static_cast<size_t>(std::max_element(shares.share.begin(), shares.share.end()) - shares.share.begin());
-    return {slot_of_label(hit.label), relief_face(hit.normal_axis, hit.normal_sign), shares.bits[best], true};
+    return {slot_of_label(hit.label), relief_face(hit.normal_axis, hit.normal_sign),
+            shares.open > shares.share[best] ? ~uint64_t{0} : shares.bits[best], true};
 }
 
 void Maker::make_texel(uint32_t view, uint32_t texel) {
@@ -259,12 +254,20 @@ std::vector<uint32_t> btf_head(const BtfShape& shape, uint32_t slots, const Faca
     return words;
 }
 
+void make_btf_view(const RunGrid& grid, const ReliefMaskView& mask, const BtfShape& shape, uint32_t view,
+                   std::span<uint32_t> words) {
+    Maker(grid, mask, shape, words).make(view);
+}
+
 Result<std::vector<uint32_t>> make_btf(const RunGrid& grid, const ReliefMaskView& mask, const BtfOptions& options) {
     if (mask.shape().width != grid.width() || mask.shape().height != grid.height())
         return Error{"BTF with the relief mask of another map"};
     const auto shape = btf_shape(options, grid.has_open_cells());
     if (!shape) return shape.error();
-    return Maker(grid, mask, *shape).make();
+    std::vector<uint32_t> words = btf_head(*shape, palette_slots(grid), mask.scales());
+    words.resize(shape->words(), 0);
+    for (uint32_t view = 0; view < shape->views(); ++view) make_btf_view(grid, mask, *shape, view, words);
+    return words;
 }
 
 }  // namespace citystream::codec::radiance

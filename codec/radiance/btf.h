@@ -66,6 +66,11 @@ Result<BtfShape> btf_shape(const BtfOptions& options, bool has_open);
 /// The words before the records.
 std::vector<uint32_t> btf_head(const BtfShape& shape, uint32_t slots, const FacadeScales& scales = kCentimetreTexels);
 
+/// Makes a view's records: `words` are all of a BTF's of this shape, of a mask of the same map and scales, with its
+/// head and no records yet. Calls for different views may run at once. O(texels times BTF_RAYS rays).
+void make_btf_view(const facade::RunGrid& grid, const ReliefMaskView& mask, const BtfShape& shape, uint32_t view,
+                   std::span<uint32_t> words);
+
 /// All words, of a mask of the same map and scales. Error: as btf_shape, or a mask of another size. O(views times
 /// texels times BTF_RAYS rays).
 Result<std::vector<uint32_t>> make_btf(const facade::RunGrid& grid, const ReliefMaskView& mask,

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -15,7 +16,15 @@ namespace citystream::codec::radiance {
 /// `local_count`: M (1..1024), of which the rows are a multiple; rows below 2^24. Deterministic. O(nonzeros).
 std::vector<std::byte> encode_rows(const Transfer& transfer, uint32_t local_count);
 
+/// The same of a whole of which distinct rows are known.
+std::vector<std::byte> encode_rows(const DistinctRows& distinct, uint32_t local_count);
+
 /// What encode_rows wrote, or an error: any bytes are safe. No more entries than limits.entries.
 Result<Transfer> decode_rows(std::span<const std::byte> bytes, const RadianceLimits& limits);
+
+/// The same row by row: `visit(row)` is called for each, in order, until it returns false or something is wrong with
+/// the bytes. Holds one row.
+using RowVisit = std::function<bool(const SparseRow& row)>;
+Result<MatrixShape> visit_rows(std::span<const std::byte> bytes, const RadianceLimits& limits, const RowVisit& visit);
 
 }  // namespace citystream::codec::radiance

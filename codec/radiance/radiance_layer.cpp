@@ -1,15 +1,12 @@
 #include "codec/radiance/radiance_layer.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <string>
 #include <unordered_map>
 #include <utility>
 
-#include "codec/radiance/bicluster.h"
-#include "codec/radiance/near_rows.h"
 #include "codec/radiance/place_wire.h"
 #include "codec/radiance/radiance_layer_layout.h"
 #include "codec/radiance/radiance_resident.h"
@@ -22,8 +19,10 @@ namespace {
 
 using Steps = std::span<const std::span<const std::byte>>;
 
-/// Of the first step: bake hash, log2 of the spacing, local side, bytes of the places; then these and the visibility.
+/// Of the first step: bake hash, log2 of the spacing and transport, local side, bytes of the places; then these and the
+/// visibility or the matrix.
 constexpr size_t kHashBytes = 8, kSpacingAt = 8, kLocalSideAt = 9, kPlacesAt = 10, kHeadBytes = 14;
+constexpr uint32_t kSpacingBits = 5;
 constexpr uint64_t kMostRows = 1 << 24;
 /// More than a layer can take.
 constexpr uint64_t kAnyBytes = uint64_t{1} << 40;
@@ -66,11 +65,12 @@ uint64_t table_words(std::span<const ReceiverPlace> places) {
     return words;
 }
 
-/// What the first steps hold: the tile without its bits, and where they are.
+/// What the first steps hold: the tile without its bits, and where they, or the matrix, are.
 struct Prefix {
     RadianceTile tile;
     uint32_t local_side = 0;
-    std::vector<std::span<const std::byte>> visibility;
+    RadianceTransport transport = RadianceTransport::kVisibility;
+    std::vector<std::span<const std::byte>> messages;
     std::vector<uint32_t> table;
     RadianceLimits limits;
 };
@@ -79,8 +79,13 @@ Result<Prefix> read_prefix(Steps steps, uint64_t decoded_bytes) {
     if (steps.empty() || steps.size() > kVisibilitySteps) return Error{"a radiance layer has 1 to 3 steps"};
     const auto first = steps[0];
     if (first.size() < kHeadBytes) return Error{"a radiance layer's first step is shorter than its head", first.size()};
+    const auto transport = read_radiance_transport(first);
+    if (!transport) return transport.error();
     Prefix prefix;
-    prefix.tile.spacing_log2 = std::to_integer<uint32_t>(first[kSpacingAt]);
+    prefix.transport = *transport;
+    if (prefix.transport != RadianceTransport::kVisibility && steps.size() != 1)
+        return Error{"a radiance layer of " + std::string(name_of(prefix.transport)) + " has one step"};
+    prefix.tile.spacing_log2 = std::to_integer<uint32_t>(first[kSpacingAt]) % (1 << kSpacingBits);
     prefix.local_side = std::to_integer<uint32_t>(first[kLocalSideAt]);
     if (prefix.tile.spacing_log2 < RECEIVER_LEAST_SPACING || prefix.tile.spacing_log2 > RECEIVER_MOST_SPACING)
         return Error{"a radiance layer's spacing of 2^" + std::to_string(prefix.tile.spacing_log2), kSpacingAt};
@@ -105,106 +110,24 @@ Result<Prefix> read_prefix(Steps steps, uint64_t decoded_bytes) {
     if (!table) return table.error();
     prefix.table = std::move(*table);
     set_frames(prefix.tile.visibility, prefix.tile.places);
-    prefix.visibility.assign(steps.begin(), steps.end());
-    prefix.visibility[0] = first.subspan(kHeadBytes + place_bytes);
+    prefix.messages.assign(steps.begin(), steps.end());
+    prefix.messages[0] = first.subspan(kHeadBytes + place_bytes);
     return prefix;
 }
 
-/// Each row as a cluster of its own; rows without entries are none.
-Biclusters rows_as_clusters(const Transfer& rows) {
-    Biclusters clusters;
-    clusters.rows = rows.rows();
-    clusters.columns = rows.columns;
-    for (uint32_t j = 0; j < rows.rows(); ++j) {
-        const size_t begin = rows.row_begin[j], count = rows.row_begin[j + 1] - begin;
-        if (count == 0) continue;
-        clusters.add(std::span(&j, 1), std::span(rows.column).subspan(begin, count),
-                     std::span(rows.quarters).subspan(begin, count));
-    }
-    return clusters;
-}
-
-/// Rows of which groups are one, and what each may still lose.
-struct LossyRows {
-    RowBound bound;
-    NearRows near;
-    std::vector<uint32_t> budgets;
-};
-
-LossyRows lossy_rows(const DistinctRows& distinct, uint32_t local_count, double row_error) {
-    LossyRows rows;
-    rows.bound = row_bound(texels_across_of(distinct.rows.columns), local_count, row_error);
-    rows.near = merge_near_rows(distinct, local_count, rows.bound);
-    for (const uint32_t missed : rows.near.missed) rows.budgets.push_back(rows.bound.most - missed);
-    return rows;
-}
-
-/// `held`: none where rows are held as they are.
-MatrixLoss loss_of(const LossyRows& rows, const Biclusters& held) {
-    const Transfer& transfer = rows.near.distinct.rows;
-    std::vector<uint32_t> units = rows.near.missed;
-    uint64_t quarters = rows.near.quarters;
-    if (held.count() > 0) {
-        const std::vector<uint32_t> more = row_errors(transfer, held, rows.bound.weights);
-        for (size_t j = 0; j < units.size(); ++j) units[j] += more[j];
-        for (const uint32_t q : row_errors(transfer, held)) quarters += q;
-    }
-    return {units.empty() ? 0 : *std::max_element(units.begin(), units.end()) * rows.bound.unit, quarters};
-}
-
-std::vector<uint32_t> row_words(const DistinctRows& distinct, uint32_t local_count) {
-    return make_resident_radiance(rows_as_clusters(distinct.rows), distinct.row_of, local_count);
-}
-
-/// The shorter of the forms that are allowed; `held` are its clusters, none of rows. No words: there are more rows than
-/// words can hold. Rows are made again where they turn out to be shorter, rather than kept during the search.
-std::vector<uint32_t> matrix_words(const DistinctRows& distinct, uint32_t local_count, MatrixForm form,
-                                   const BiclusterOptions& search, Biclusters& held) {
-    const size_t most = form == MatrixForm::kRows ? 0 : row_words(distinct, local_count).size();
-    if (most == 0) return row_words(distinct, local_count);
-    held = find_biclusters(distinct.rows, search);
-    std::vector<uint32_t> words = make_resident_radiance(held, distinct.row_of, local_count);
-    if (!words.empty() && words.size() < most) return words;
-    held = {};
-    return row_words(distinct, local_count);
-}
-
-Result<std::vector<uint32_t>> matrix_words(DistinctRows distinct, uint32_t local_count, const MatrixOptions& options,
-                                           MatrixLoss* loss) {
-    // Clusters that grow from entries take the fewest sums and the shortest search, measured on city tiles.
-    BiclusterOptions search{.seeding = Seeding::kEntry};
-    Biclusters held;
-    MatrixLoss lost;
-    std::vector<uint32_t> words;
-    if (options.row_error > 0) {
-        const LossyRows rows = lossy_rows(distinct, local_count, options.row_error);
-        distinct = {};
-        search.column_weights = rows.bound.weights;
-        search.row_budgets = rows.budgets;
-        words = matrix_words(rows.near.distinct, local_count, options.form, search, held);
-        lost = loss_of(rows, held);
-    } else {
-        words = matrix_words(distinct, local_count, options.form, search, held);
-    }
-    if (words.empty()) return Error{"a radiance layer's matrix is larger than it can be"};
-    if (loss != nullptr) *loss = lost;
-    return words;
-}
-
-/// The rows of a prefix. No more entries than fit into so many words.
-Result<DistinctRows> distinct_rows_of(const Prefix& prefix, const LocalDirections& local, uint64_t words) {
-    const auto side = visibility_side(prefix.visibility[0]);
+/// The rows of visibility that travelled. No more entries than fit into so many words.
+Result<DistinctRows> rows_of_visibility(const Prefix& prefix, const LocalDirections& local, uint64_t words) {
+    const auto side = visibility_side(prefix.messages[0]);
     if (!side) return side.error();
     const VisibilityTile& tile = prefix.tile.visibility;
     DistinctRowMaker rows(*side, local);
-    // An entry takes more bits than its column's.
-    const uint64_t most_entries = 32 * words / std::bit_width(texel_count(*side) - 1);
+    const uint64_t most = most_entries(words, texel_count(*side));
     bool fits = true;
     const Status status =
-        visit_visibility(tile, prefix.visibility, [&](uint32_t receiver, std::span<const uint32_t> bits) {
+        visit_visibility(tile, prefix.messages, [&](uint32_t receiver, std::span<const uint32_t> bits) {
             const uint32_t frame = tile.frame_of[receiver];
             rows.add(frame, tile.frames[frame], bits);
-            fits = rows.nonzeros() <= most_entries;
+            fits = rows.nonzeros() <= most;
             return fits;
         });
     if (!status) return status.error();
@@ -212,14 +135,32 @@ Result<DistinctRows> distinct_rows_of(const Prefix& prefix, const LocalDirection
     return rows.take();
 }
 
+/// The matrix of a prefix in at most so many words.
+Result<std::vector<uint32_t>> matrix_words(const Prefix& prefix, uint64_t words, const MatrixOptions& options,
+                                           MatrixLoss* loss) {
+    const LocalDirections local(prefix.local_side);
+    const auto receivers = static_cast<uint32_t>(prefix.tile.places.size());
+    const MatrixBounds bounds{receivers, local.count(), words};
+    if (prefix.transport == RadianceTransport::kBiclusters && options.form == MatrixForm::kBiclusters &&
+        options.row_error <= 0) {
+        const auto clustered = decode_matrix_clusters(prefix.messages[0], bounds);
+        if (!clustered) return clustered.error();
+        if (loss != nullptr) *loss = {};
+        return make_resident_radiance(clustered->clusters, clustered->row_of, local.count());
+    }
+    auto distinct = prefix.transport == RadianceTransport::kVisibility
+                        ? rows_of_visibility(prefix, local, words)
+                        : decode_matrix_rows(prefix.transport, prefix.messages[0], bounds);
+    if (!distinct) return distinct.error();
+    return make_matrix_words(std::move(*distinct), local.count(), options, loss);
+}
+
 Result<std::vector<uint32_t>> words_of(const Prefix& prefix, uint64_t decoded_bytes, const MatrixOptions& options,
                                        MatrixLoss* loss) {
-    const LocalDirections local(prefix.local_side);
     const uint64_t most = decoded_bytes / sizeof(uint32_t);
-    auto distinct = distinct_rows_of(prefix, local, most);
-    if (!distinct) return distinct.error();
-    const auto matrix = matrix_words(std::move(*distinct), local.count(), options, loss);
+    const auto matrix = matrix_words(prefix, most, options, loss);
     if (!matrix) return matrix.error();
+    if (matrix->empty()) return Error{"a radiance layer's matrix is larger than it can be"};
     std::vector<uint32_t> words = prefix.table;
     words.resize(words.size() + IRRADIANCE_WORDS * prefix.tile.places.size(), 0);
     words.insert(words.end(), matrix->begin(), matrix->end());
@@ -249,6 +190,29 @@ Status check_tile(const RadianceTile& tile, uint32_t local_side) {
     return Done{};
 }
 
+/// What stands behind the places, step by step.
+struct Message {
+    std::vector<std::byte> bytes;
+    float error = 0;
+};
+
+Result<std::vector<Message>> encode_messages(const VisibilityTile& tile, uint32_t local_side,
+                                             RadianceTransport transport) {
+    std::vector<Message> messages;
+    if (transport == RadianceTransport::kVisibility) {
+        for (VisibilityStep& step : encode_visibility(tile)) messages.push_back({std::move(step.bytes), step.error});
+        return messages;
+    }
+    const LocalDirections local(local_side);
+    if (uint64_t{tile.receivers()} * local.count() >= kMostRows)
+        return Error{"a radiance layer of too many rows to travel as " + std::string(name_of(transport))};
+    DistinctRowMaker rows(tile.side, local);
+    for (uint32_t r = 0; r < tile.receivers(); ++r)
+        rows.add(tile.frame_of[r], tile.frames[tile.frame_of[r]], tile.of(r));
+    messages.push_back({encode_matrix(transport, rows.take(), local.count())});
+    return messages;
+}
+
 }  // namespace
 
 uint32_t frame_of_place(const ReceiverPlace& place) {
@@ -264,27 +228,30 @@ uint32_t frame_of_place(const ReceiverPlace& place) {
 }
 
 Result<std::vector<RadianceLayerStep>> encode_radiance_layer(const RadianceTile& tile, uint32_t local_side,
-                                                             uint64_t bake_hash, double bits_error) {
+                                                             uint64_t bake_hash, double bits_error,
+                                                             RadianceTransport transport) {
     if (const Status good = check_tile(tile, local_side); !good) return good.error();
     if (const auto table = write_receiver_table(tile.places, tile.spacing_log2); !table) return table.error();
     const std::vector<std::byte> places = encode_places(tile.places, tile.spacing_log2);
     std::vector<std::byte> head;
     put_number(head, bake_hash, kHashBytes);
-    put_number(head, tile.spacing_log2, 1);
+    put_number(head, tile.spacing_log2 | static_cast<uint32_t>(transport) << kSpacingBits, 1);
     put_number(head, local_side, 1);
     put_number(head, places.size(), kHeadBytes - kPlacesAt);
     head.insert(head.end(), places.begin(), places.end());
 
+    const auto messages = encode_messages(tile.visibility, local_side, transport);
+    if (!messages) return messages.error();
     std::vector<RadianceLayerStep> steps;
     std::vector<std::span<const std::byte>> wires;
     uint64_t told = 0;
-    for (const VisibilityStep& visibility : encode_visibility(tile.visibility)) {
+    for (const Message& message : *messages) {
         RadianceLayerStep& step = steps.emplace_back();
         step.wire = std::exchange(head, {});
-        step.wire.insert(step.wire.end(), visibility.bytes.begin(), visibility.bytes.end());
+        step.wire.insert(step.wire.end(), message.bytes.begin(), message.bytes.end());
         // A directory has no steps without bytes; the coder reads zeros behind its end anyway.
         if (step.wire.empty()) step.wire.push_back(std::byte{0});
-        step.error = visibility.error + static_cast<float>(bits_error);
+        step.error = message.error + static_cast<float>(bits_error);
     }
     for (RadianceLayerStep& step : steps) {
         wires.emplace_back(step.wire);
@@ -304,6 +271,15 @@ Result<uint64_t> read_bake_hash(std::span<const std::byte> first_step) {
     return get_number(first_step, 0, kHashBytes);
 }
 
+Result<RadianceTransport> read_radiance_transport(std::span<const std::byte> first_step) {
+    if (first_step.size() < kHeadBytes)
+        return Error{"a radiance layer's first step is shorter than its head", first_step.size()};
+    const uint32_t transport = std::to_integer<uint32_t>(first_step[kSpacingAt]) >> kSpacingBits;
+    if (transport >= kRadianceTransportNames.size())
+        return Error{"a radiance layer with a transport of another version", kSpacingAt};
+    return static_cast<RadianceTransport>(transport);
+}
+
 Result<uint32_t> read_receiver_count(std::span<const std::byte> first_step, uint64_t decoded_bytes) {
     const auto prefix = read_prefix({&first_step, 1}, decoded_bytes);
     if (!prefix) return prefix.error();
@@ -313,7 +289,9 @@ Result<uint32_t> read_receiver_count(std::span<const std::byte> first_step, uint
 Result<RadianceTile> decode_radiance_tile(Steps steps, uint64_t decoded_bytes) {
     auto prefix = read_prefix(steps, decoded_bytes);
     if (!prefix) return prefix.error();
-    auto visibility = decode_visibility(std::move(prefix->tile.visibility), prefix->visibility, prefix->limits);
+    if (prefix->transport != RadianceTransport::kVisibility)
+        return Error{"a radiance layer of " + std::string(name_of(prefix->transport)) + " has no visibility bits"};
+    auto visibility = decode_visibility(std::move(prefix->tile.visibility), prefix->messages, prefix->limits);
     if (!visibility) return visibility.error();
     prefix->tile.visibility = std::move(*visibility);
     return std::move(prefix->tile);

@@ -1,13 +1,13 @@
 // The radiance layer of a tile: receivers and what they see, as steps on the wire, and as words in GPU memory that give
 // the light at any point of the tile's surfaces. FORMAT.md, "The layer".
 //
-// On the wire: where the receivers are (place_wire.h) and visibility bits (visibility_wire.h). In GPU memory, behind
-// each other:
+// On the wire: where the receivers are (place_wire.h) and visibility bits (visibility_wire.h), or in their place the
+// matrix (radiance_transport.h). In GPU memory, behind each other:
 //   receiver table   (RECEIVERS.md; its entries are its last words)
 //   irradiance       IRRADIANCE_WORDS a receiver (radiance_layer_layout.h), zeros until the light passes have run
 //   matrix           biclusters of the distinct rows, or the rows themselves (radiance_resident.h)
 // A prefix of steps has all three, its visibility being coarser. So a longer prefix replaces the words of a shorter
-// one.
+// one. A matrix has no prefixes: its layer is one step.
 #pragma once
 
 #include <cstddef>
@@ -15,6 +15,8 @@
 #include <span>
 #include <vector>
 
+#include "codec/radiance/matrix_words.h"
+#include "codec/radiance/radiance_transport.h"
 #include "codec/radiance/receiver_table.h"
 #include "codec/radiance/visibility_bits.h"
 #include "codec/result.h"
@@ -34,27 +36,6 @@ struct RadianceTile {
 /// The frame of a receiver: its class and tilts, no turn.
 uint32_t frame_of_place(const ReceiverPlace& place);
 
-/// How the matrix is kept in GPU memory.
-enum class MatrixForm : uint8_t {
-    kBiclusters,  ///< of distinct rows; where they take more words than the rows, the rows
-    kRows,        ///< distinct rows, each a cluster of its own
-};
-
-/// What a matrix may be.
-struct MatrixOptions {
-    MatrixOptions(MatrixForm of = MatrixForm::kBiclusters, double error = 0) : form(of), row_error(error) {}
-    MatrixForm form;
-    /// Relative radiance, 0..1: the part of what a local direction gets from an even sky, nothing standing around it,
-    /// by which each row may be too low under a sky nowhere brighter (near_rows.h has the bound for any light). Rows
-    /// are never too high. The greater, the fewer words; 0: exact.
-    double row_error;
-};
-/// What it has left out.
-struct MatrixLoss {
-    double row_error = 0;   ///< of the worst row: at most what the options allow
-    uint64_t quarters = 0;  ///< of distinct rows
-};
-
 struct RadianceLayerStep {
     std::vector<std::byte> wire;
     /// Of this step alone, so that a prefix's sum is at least what its words take, whatever the form of the matrix: a
@@ -69,24 +50,29 @@ struct RadianceLayerStep {
 /// on (tiles/radiance/visibility_bake.h), kept in the first step. `bits_error`: that the tile's bits have already
 /// (visibility_smoothing.h), which each step's error has more. Deterministic. Error: what write_receiver_table
 /// reports; depths beyond kMostDepth; frames that are not those of the places; more than 2^24 receivers times local
-/// directions. Takes as long as decoding each of the prefixes with kRows.
-Result<std::vector<RadianceLayerStep>> encode_radiance_layer(const RadianceTile& tile, uint32_t local_side,
-                                                             uint64_t bake_hash, double bits_error = 0);
+/// directions. Takes as long as decoding each of the prefixes with kRows; kBiclusters as long as with kBiclusters.
+Result<std::vector<RadianceLayerStep>> encode_radiance_layer(
+    const RadianceTile& tile, uint32_t local_side, uint64_t bake_hash, double bits_error = 0,
+    RadianceTransport transport = RadianceTransport::kVisibility);
 
 /// Of a first step; any bytes are safe.
 Result<uint64_t> read_bake_hash(std::span<const std::byte> first_step);
+Result<RadianceTransport> read_radiance_transport(std::span<const std::byte> first_step);
 
 /// How many receivers a first step of so many decoded bytes tells of; any bytes are safe. O(receivers).
 Result<uint32_t> read_receiver_count(std::span<const std::byte> first_step, uint64_t decoded_bytes);
 
-/// What the first steps say. `decoded_bytes`: of the prefix, as the directory has them: there are no more receivers
-/// than have room in it, of which each takes 3 n^2 bytes of bits here. Any bytes are safe.
+/// What the first steps of a layer that travels as visibility say; of others, which have no bits, an error.
+/// `decoded_bytes`: of the prefix, as the directory has them: there are no more receivers than have room in it, of
+/// which each takes 3 n^2 bytes of bits here. Any bytes are safe.
 Result<RadianceTile> decode_radiance_tile(std::span<const std::span<const std::byte>> steps, uint64_t decoded_bytes);
 
 /// The words of a prefix, at most decoded_bytes / 4: an error where the rows would take more in any form. Any bytes are
-/// safe. Deterministic. With 24,576 samples and 8 x 8 local directions 0.2 ms a receiver for rows; for biclusters 0.3
-/// ms in a tile along the axes, 0.55 ms in one whose buildings are all turned differently. Meanwhile it holds, besides
-/// the distinct rows, 36 n^2 bytes for each of up to 256 receivers and 64 n^2 for each of up to 256 frames.
+/// safe. Deterministic. With 24,576 samples and 8 x 8 local directions 0.07 to 0.12 ms a receiver for rows, 0.16 to
+/// 0.41 ms for biclusters. Meanwhile it holds, besides the distinct rows, 3 MB of models, 10 n^2 bytes for each of up
+/// to 256 receivers and tables of up to 256 frames.
+/// Whatever the transport, the words are the same: biclusters that travelled are those that a search at arrival would
+/// find, and are used as they are where that is what `options` ask for.
 /// `loss`: filled where there is one.
 Result<std::vector<uint32_t>> decode_radiance_layer(std::span<const std::span<const std::byte>> steps,
                                                     uint64_t decoded_bytes, const MatrixOptions& options,

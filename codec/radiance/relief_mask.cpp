@@ -22,6 +22,8 @@ constexpr uint32_t kAverageSide = 256;
 /// Millimetres between the surface and where rays start: less than any step of the relief.
 constexpr double kAboveSurface = 0.5;
 constexpr double kMillimetresPerMetre = 1000;
+/// A surface besides a mask texel's first has at least so little of its area, one part of.
+constexpr uint32_t kLeastPart = 32;
 
 const LocalDirections& directions() {
     static const LocalDirections all(RELIEF_DIRECTIONS_ACROSS);
@@ -71,11 +73,50 @@ uint32_t run_of(const std::vector<uint32_t>& breaks, uint32_t texel) {
     return static_cast<uint32_t>(std::upper_bound(breaks.begin(), breaks.end(), texel) - breaks.begin()) - 1;
 }
 
-}  // namespace
+/// The part of a mask texel with one depth.
+struct Piece {
+    int32_t displacement = 0;
+    uint32_t area = 0;
+    uint32_t largest = 0;  ///< area of its largest rectangle
+    ReliefStart start;     ///< the middle of that
+};
 
-uint32_t ReliefMaskShape::middle(uint32_t i, uint32_t size) const {
-    return std::min((i << log2_side) + (1u << log2_side) / 2, size - 1);
+void add_rectangle(std::vector<Piece>& pieces, const std::array<uint32_t, 4>& box, uint32_t label) {
+    const auto [x0, y0, x1, y1] = box;
+    const uint32_t area = (x1 - x0) * (y1 - y0);
+    auto piece = std::ranges::find(pieces, displacement_of(label), &Piece::displacement);
+    if (piece == pieces.end()) piece = pieces.insert(piece, Piece{displacement_of(label), 0, 0, {}});
+    piece->area += area;
+    if (area <= piece->largest) return;
+    piece->largest = area;
+    piece->start = {x0 + (x1 - x0) / 2, y0 + (y1 - y0) / 2, label};
 }
+
+/// Of the square of `side` texels at a place of the map.
+std::vector<Piece> largest_pieces(const facade::RunGrid& grid, uint32_t left, uint32_t bottom, uint32_t side) {
+    const uint32_t right = std::min(left + side, grid.width()), top = std::min(bottom + side, grid.height());
+    std::vector<Piece> pieces;
+    for (uint32_t row = run_of(grid.y_breaks, bottom); row < grid.rows() && grid.y_breaks[row] < top; ++row) {
+        const uint32_t y0 = std::max(grid.y_breaks[row], bottom), y1 = std::min(grid.y_breaks[row + 1], top);
+        for (uint32_t column = run_of(grid.x_breaks, left); column < grid.columns() && grid.x_breaks[column] < right;
+             ++column) {
+            const uint32_t x0 = std::max(grid.x_breaks[column], left), x1 = std::min(grid.x_breaks[column + 1], right);
+            add_rectangle(pieces, {x0, y0, x1, y1}, grid.label(column, row));
+        }
+    }
+    std::ranges::sort(pieces, [](const Piece& a, const Piece& b) {
+        return a.area != b.area ? a.area > b.area : a.displacement > b.displacement;
+    });
+    const uint32_t least = (right - left) * (top - bottom);
+    size_t count = 1;
+    while (count < std::min<size_t>(pieces.size(), RELIEF_MASK_MOST_SURFACES) &&
+           pieces[count].area * kLeastPart >= least)
+        ++count;
+    pieces.resize(count);
+    return pieces;
+}
+
+}  // namespace
 
 ReliefMaskShape relief_mask_shape(uint32_t width, uint32_t height) {
     assert(width >= 1 && width <= facade::kMaxFacadeSide && height >= 1 && height <= facade::kMaxFacadeSide);
@@ -89,11 +130,26 @@ const ReliefWeights& relief_weights() {
     return weights;
 }
 
-std::vector<uint32_t> relief_mask_head(const ReliefMaskShape& shape, const FacadeScales& scales) {
+ReliefSurfaces relief_surfaces(const facade::RunGrid& grid) {
+    ReliefSurfaces surfaces{relief_mask_shape(grid.width(), grid.height()), {}, {}};
+    const uint32_t side = 1u << surfaces.shape.log2_side;
+    for (uint32_t y = 0; y < surfaces.shape.up(); ++y) {
+        for (uint32_t x = 0; x < surfaces.shape.across(); ++x) {
+            const std::vector<Piece> pieces = largest_pieces(grid, x * side, y * side, side);
+            surfaces.texels.push_back(static_cast<uint32_t>(surfaces.starts.size()) |
+                                      static_cast<uint32_t>(pieces.size()) << RELIEF_MASK_COUNT_SHIFT);
+            for (const Piece& piece : pieces) surfaces.starts.push_back(piece.start);
+        }
+    }
+    return surfaces;
+}
+
+std::vector<uint32_t> relief_mask_starts(const ReliefSurfaces& surfaces, const FacadeScales& scales) {
     std::vector<uint32_t> words(RELIEF_MASK_TEXELS, 0);
     words[RELIEF_MASK_WORD_MAGIC] = RELIEF_MASK_MAGIC;
-    words[RELIEF_MASK_WORD_MAP] = shape.width | shape.height << 16;
-    words[RELIEF_MASK_WORD_SIDE] = shape.log2_side;
+    words[RELIEF_MASK_WORD_MAP] = surfaces.shape.width | surfaces.shape.height << 16;
+    words[RELIEF_MASK_WORD_SIDE] = surfaces.shape.log2_side;
+    words[RELIEF_MASK_WORD_SURFACES] = static_cast<uint32_t>(surfaces.starts.size());
     for (size_t i = 0; i < 2; ++i) words[RELIEF_MASK_WORD_SCALES + i] = std::bit_cast<uint32_t>(scales[i]);
     for (uint32_t j = 0; j < RELIEF_DIRECTIONS; ++j) {
         const GridDirection& d = directions().direction(j);
@@ -104,40 +160,47 @@ std::vector<uint32_t> relief_mask_head(const ReliefMaskShape& shape, const Facad
             words[RELIEF_MASK_WEIGHTS + face * RELIEF_MASK_FACE_WORDS + j / 2] |= relief_weights()[face][j]
                                                                                   << 16 * (j % 2);
     }
+    words.insert(words.end(), surfaces.texels.begin(), surfaces.texels.end());
+    words.reserve(surfaces.shape.words(surfaces.starts.size()));
+    for (const ReliefStart& start : surfaces.starts)
+        words.insert(words.end(), {start.x | start.y << 16, 0, start.label});
     return words;
 }
 
-std::vector<uint32_t> make_relief_mask(const facade::RunGrid& grid, const FacadeScales& scales) {
+void cast_relief_rays(const facade::RunGrid& grid, std::span<uint32_t> words, uint32_t first, uint32_t count) {
     const ReliefMaskShape shape = relief_mask_shape(grid.width(), grid.height());
     const facade::DepthRange depths = grid.depths();
-    std::vector<uint32_t> words = relief_mask_head(shape, scales);
+    const auto across = std::bit_cast<float>(words[RELIEF_MASK_WORD_SCALES]),
+               up = std::bit_cast<float>(words[RELIEF_MASK_WORD_SCALES + 1]);
     std::array<std::array<double, 3>, RELIEF_DIRECTIONS> along{};
     for (uint32_t j = 0; j < RELIEF_DIRECTIONS; ++j) {
         const GridDirection& d = directions().direction(j);
-        along[j] = {d[0] * double{scales[0]}, d[1] * double{scales[1]}, d[2] * kMillimetresPerMetre};
+        along[j] = {d[0] * double{across}, d[1] * double{up}, d[2] * kMillimetresPerMetre};
     }
-    for (uint32_t y = 0; y < shape.up(); ++y) {
-        const uint32_t v = shape.middle(y, shape.height), row = run_of(grid.y_breaks, v);
-        for (uint32_t x = 0; x < shape.across(); ++x) {
-            const uint32_t u = shape.middle(x, shape.width);
-            const uint32_t label = grid.label(run_of(grid.x_breaks, u), row);
-            const double origin[3] = {u + 0.5, v + 0.5, displacement_of(label) + kAboveSurface};
-            uint64_t bits = ~uint64_t{0};
-            if (displacement_of(label) != facade::kOpenDisplacement) {
-                for (uint32_t j = 0; j < RELIEF_DIRECTIONS; ++j) {
-                    if (facade::cast_facade_ray(grid, depths, origin, along[j].data()).hit) bits &= ~(uint64_t{1} << j);
-                }
+    for (uint32_t surface = first; surface < first + count; ++surface) {
+        uint32_t* const to = &words[shape.words(surface)];
+        const uint32_t x = to[0] & 0xffff, y = to[0] >> 16, label = to[2];
+        const double origin[3] = {x + 0.5, y + 0.5, displacement_of(label) + kAboveSurface};
+        uint64_t bits = ~uint64_t{0};
+        if (displacement_of(label) != facade::kOpenDisplacement) {
+            for (uint32_t j = 0; j < RELIEF_DIRECTIONS; ++j) {
+                if (facade::cast_facade_ray(grid, depths, origin, along[j].data()).hit) bits &= ~(uint64_t{1} << j);
             }
-            words.push_back(static_cast<uint32_t>(bits));
-            words.push_back(static_cast<uint32_t>(bits >> 32));
-            words.push_back(label);
         }
+        to[0] = static_cast<uint32_t>(bits);
+        to[1] = static_cast<uint32_t>(bits >> 32);
     }
+}
+
+std::vector<uint32_t> make_relief_mask(const facade::RunGrid& grid, const FacadeScales& scales) {
+    const ReliefSurfaces surfaces = relief_surfaces(grid);
+    std::vector<uint32_t> words = relief_mask_starts(surfaces, scales);
+    cast_relief_rays(grid, words, 0, static_cast<uint32_t>(surfaces.starts.size()));
     return words;
 }
 
 float ReliefShares::free(uint32_t direction) const {
-    float sum = 0;
+    float sum = open;
     for (size_t k = 0; k < 4; ++k) sum += (bits[k] >> direction & 1) != 0 ? share[k] : 0;
     return sum;
 }
@@ -158,9 +221,17 @@ Result<ReliefMaskView> ReliefMaskView::create(std::span<const uint32_t> words) {
         if (!std::isfinite(scale) || scale <= 0)
             return Error{"relief mask without a scale", 4 * (RELIEF_MASK_WORD_SCALES + i)};
     }
-    if (words.size() != shape.words())
+    const uint32_t surfaces = words[RELIEF_MASK_WORD_SURFACES];
+    if (words.size() != shape.words(surfaces))
         return Error{"relief mask of " + std::to_string(words.size()) + " words, its map's has " +
-                     std::to_string(shape.words())};
+                     std::to_string(shape.words(surfaces))};
+    for (uint32_t i = 0; i < shape.texels(); ++i) {
+        const uint32_t texel = words[RELIEF_MASK_TEXELS + i], count = texel >> RELIEF_MASK_COUNT_SHIFT;
+        const uint64_t first = texel & ((1u << RELIEF_MASK_COUNT_SHIFT) - 1);
+        if (count < 1 || count > RELIEF_MASK_MOST_SURFACES || first + count > surfaces)
+            return Error{"relief mask whose texel has surfaces that are not there",
+                         4 * (RELIEF_MASK_TEXELS + uint64_t{i})};
+    }
     return ReliefMaskView(words, shape);
 }
 
@@ -169,13 +240,35 @@ FacadeScales ReliefMaskView::scales() const {
             std::bit_cast<float>(words_[RELIEF_MASK_WORD_SCALES + 1])};
 }
 
-uint64_t ReliefMaskView::bits(uint32_t x, uint32_t y) const {
-    const uint32_t* const texel = &words_[RELIEF_MASK_TEXELS + (y * shape_.across() + x) * RELIEF_MASK_TEXEL_WORDS];
-    return texel[0] | uint64_t{texel[1]} << 32;
+uint32_t ReliefMaskView::surfaces(uint32_t x, uint32_t y) const {
+    return words_[RELIEF_MASK_TEXELS + y * shape_.across() + x] >> RELIEF_MASK_COUNT_SHIFT;
 }
 
-uint32_t ReliefMaskView::label(uint32_t x, uint32_t y) const {
-    return words_[RELIEF_MASK_TEXELS + (y * shape_.across() + x) * RELIEF_MASK_TEXEL_WORDS + 2];
+const uint32_t* ReliefMaskView::surface_words(uint32_t x, uint32_t y, uint32_t surface) const {
+    const uint32_t texel = words_[RELIEF_MASK_TEXELS + y * shape_.across() + x];
+    const uint64_t number = (texel & ((1u << RELIEF_MASK_COUNT_SHIFT) - 1)) + surface;
+    return &words_[shape_.words(number)];
+}
+
+uint64_t ReliefMaskView::bits(uint32_t x, uint32_t y, uint32_t surface) const {
+    const uint32_t* const words = surface_words(x, y, surface);
+    return words[0] | uint64_t{words[1]} << 32;
+}
+
+uint32_t ReliefMaskView::label(uint32_t x, uint32_t y, uint32_t surface) const {
+    return surface_words(x, y, surface)[2];
+}
+
+ReliefMaskView::NextSurface ReliefMaskView::next_surface(uint32_t x, uint32_t y, float depth, bool is_front) const {
+    NextSurface next;
+    for (uint32_t i = 0; i < surfaces(x, y); ++i) {
+        const auto here = static_cast<float>(displacement_of(label(x, y, i)));
+        const bool is_own = is_front ? here == depth : here < depth;
+        const float away = std::abs(here - depth);
+        const bool is_better = is_own != next.is_own ? is_own : away < next.away;
+        if (i == 0 || is_better) next = {i, is_own, away};
+    }
+    return next;
 }
 
 ReliefShares ReliefMaskView::shares(const std::array<float, 3>& at, uint32_t label, int axis, int sign) const {
@@ -191,6 +284,7 @@ ReliefShares ReliefMaskView::shares(const std::array<float, 3>& at, uint32_t lab
     }
     const float depth = is_front ? static_cast<float>(displacement_of(label)) : at[2];
     ReliefShares shares;
+    std::array<float, 4> depths{};
     float sum = 0, nearest = std::numeric_limits<float>::max(), nearest_share = 0;
     size_t best = 0;
     for (size_t k = 0; k < 4; ++k) {
@@ -200,13 +294,12 @@ ReliefShares ReliefMaskView::shares(const std::array<float, 3>& at, uint32_t lab
         };
         const uint32_t x = texel(low[0] + (right ? 1 : 0), shape_.across());
         const uint32_t y = texel(low[1] + (above ? 1 : 0), shape_.up());
-        shares.bits[k] = bits(x, y);
-        const auto here = static_cast<float>(displacement_of(this->label(x, y)));
         const float share = (right ? part[0] : 1 - part[0]) * (above ? part[1] : 1 - part[1]);
-        const bool is_own = is_front ? here == depth : here < depth;
+        const auto [surface, is_own, away] = next_surface(x, y, depth, is_front);
+        depths[k] = static_cast<float>(displacement_of(this->label(x, y, surface)));
+        shares.bits[k] = bits(x, y, surface);
         shares.share[k] = is_own ? share : 0;
         sum += shares.share[k];
-        const float away = std::abs(here - depth);
         if (away < nearest || (away == nearest && share > nearest_share)) {
             nearest = away;
             nearest_share = share;
@@ -214,6 +307,12 @@ ReliefShares ReliefMaskView::shares(const std::array<float, 3>& at, uint32_t lab
         }
     }
     for (size_t k = 0; k < 4; ++k) shares.share[k] = sum > 0 ? shares.share[k] / sum : (k == best ? 1.0F : 0.0F);
+    if (is_front) return shares;
+    float foot = 0;
+    for (size_t k = 0; k < 4; ++k) foot += shares.share[k] * depths[k];
+    const auto edge = static_cast<float>(displacement_of(label));
+    if (edge > foot) shares.open = std::clamp((at[2] - foot) / (edge - foot), 0.0F, 1.0F);
+    for (float& share : shares.share) share *= 1 - shares.open;
     return shares;
 }
 

@@ -5,9 +5,10 @@
 #define RELIEF_MASK_MAGIC 0x314b5343u /* "CSK1" */
 
 #define RELIEF_MASK_WORD_MAGIC 0
-#define RELIEF_MASK_WORD_MAP 1    /* width | height << 16 of the facade map, its texels */
-#define RELIEF_MASK_WORD_SIDE 2   /* log2 of a mask texel's side in texels of the map */
-#define RELIEF_MASK_WORD_SCALES 4 /* two floats: texels of the map a metre along u and v */
+#define RELIEF_MASK_WORD_MAP 1      /* width | height << 16 of the facade map, its texels */
+#define RELIEF_MASK_WORD_SIDE 2     /* log2 of a mask texel's side in texels of the map */
+#define RELIEF_MASK_WORD_SURFACES 3 /* how many follow the mask texels */
+#define RELIEF_MASK_WORD_SCALES 4   /* two floats: texels of the map a metre along u and v */
 
 #define RELIEF_DIRECTIONS 64 /* 8 x 8 local directions of the wall's frame (u, v, w) */
 #define RELIEF_DIRECTIONS_ACROSS 8
@@ -26,11 +27,15 @@
 #define RELIEF_MASK_WEIGHTS 136
 #define RELIEF_MASK_FACE_WORDS 32
 
-/* Rows from the bottom. Of a mask texel three words: directions 0..31, directions 32..63 (set: free of the relief), and
-   the label of the map's texel in its middle. */
+/* A word each, rows from the bottom: number of its first surface | how many it has << RELIEF_MASK_COUNT_SHIFT. */
 #define RELIEF_MASK_TEXELS 296
-#define RELIEF_MASK_TEXEL_WORDS 3
-
+#define RELIEF_MASK_COUNT_SHIFT 24
 #define RELIEF_MASK_MOST_TEXELS 16384
+
+/* Of a surface, after the mask texels: directions 0..31, directions 32..63 (set: free of the relief), and the label of
+   the map's texel where its rays start. Before the rays are cast the first word is that texel, x | y << 16. */
+#define RELIEF_MASK_SURFACE_WORDS 3
+/* Of a mask texel. */
+#define RELIEF_MASK_MOST_SURFACES 3
 
 #endif

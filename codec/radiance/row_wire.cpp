@@ -1,39 +1,12 @@
 #include "codec/radiance/row_wire.h"
 
-#include <bit>
 #include <cassert>
+
+#include "codec/radiance/row_number_code.h"
 
 namespace citystream::codec::radiance {
 
 namespace {
-
-/// Which distinct row each row is: that of the receiver before, a new one, or any of those known.
-class RowNumberCode {
-  public:
-    explicit RowNumberCode(uint32_t local_count) : last_(local_count, 0), last_kind_(local_count, 0) {}
-
-    template <typename Coder>
-    uint32_t code(Coder& coder, uint32_t local, uint32_t known, uint32_t told) {
-        uint8_t& kind = last_kind_[local];
-        const uint32_t neighbour = local == 0 ? 0u : last_kind_[local - 1];
-        if (coder.bit(same_[kind][neighbour], told == last_[local] ? 1 : 0) != 0) {
-            kind = 0;
-        } else if (coder.bit(new_[kind][neighbour], told == known ? 1 : 0) != 0) {
-            kind = 1;
-            last_[local] = known;
-        } else {
-            kind = 2;
-            last_[local] = coder.plain_bits(static_cast<uint32_t>(std::bit_width(known)), told);
-        }
-        return last_[local];
-    }
-
-  private:
-    static constexpr uint32_t kKinds = 3;
-    std::vector<uint32_t> last_;  ///< of each local direction
-    std::vector<uint8_t> last_kind_;
-    bits::BitModel same_[kKinds][kKinds], new_[kKinds][kKinds];
-};
 
 template <typename Coder>
 const char* code_rows(Coder& coder, const RadianceLimits& limits, DistinctRows& distinct, uint32_t local_count) {

@@ -98,6 +98,12 @@ class SparseRowCode {
     std::vector<bits::BitTree> value_ = std::vector<bits::BitTree>(kLast, bits::BitTree(255));
 };
 
+/// What a message of a matrix begins with: rows are receivers times local directions.
+struct MatrixShape {
+    uint32_t local_count = 0, receivers = 0, columns = 0;
+    uint32_t rows() const { return receivers * local_count; }
+};
+
 /// Rows and columns of a matrix; false when they cannot be.
 template <typename Coder>
 bool code_matrix_size(Coder& coder, const RadianceLimits& limits, uint32_t& local_count, uint32_t& receivers,

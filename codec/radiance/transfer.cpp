@@ -6,6 +6,7 @@
 #include <numeric>
 #include <string_view>
 #include <unordered_map>
+#include <utility>
 
 namespace citystream::codec::radiance {
 
@@ -175,20 +176,25 @@ constexpr uint32_t kFrameTables = 256;
 constexpr uint64_t kHashFactor = 0x9e3779b97f4a7c15u;
 constexpr uint32_t kPieceBits = 32, kEvenBits = 0x55555555;
 constexpr uint8_t kBitsOfFour[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+constexpr uint32_t kFirstPlacesLog2 = 10;
 
-/// In the order of their numbers.
-std::array<uint32_t, kSamplesInTexel> samples_of_texel(uint32_t side, uint32_t texel) {
-    const uint32_t across = kSamplesAcross * side;
-    const uint32_t first = kSamplesAcross * (texel / side * across + texel % side);
-    return {first, first + 1, first + across, first + across + 1};
+/// `count` (1..32) bits from one on.
+uint32_t bits_from(std::span<const uint32_t> bits, uint32_t first, uint32_t count) {
+    const uint32_t word = first / 32, shift = first % 32;
+    uint64_t both = bits[word];
+    if (shift + count > 32) both |= uint64_t{bits[word + 1]} << 32;
+    return static_cast<uint32_t>(both >> shift & ((uint64_t{1} << count) - 1));
 }
 
-/// `count` (1..32) bits from one on, of those that are set in both.
-uint32_t above_bits(std::span<const uint32_t> bits, std::span<const uint32_t> above, uint32_t first, uint32_t count) {
-    const uint32_t word = first / 32, shift = first % 32;
-    uint64_t both = bits[word] & above[word];
-    if (shift + count > 32) both |= uint64_t{bits[word + 1] & above[word + 1]} << 32;
-    return static_cast<uint32_t>(both >> shift & ((uint64_t{1} << count) - 1));
+/// Sample rows 2r and 2r + 1 are row r of the texels; calls visit(first sample of the upper row, samples) for each
+/// piece of 16 texels or, at the end of a row, fewer.
+template <typename Visit>
+void visit_pieces(uint32_t side, Visit visit) {
+    const uint32_t across = kSamplesAcross * side;
+    for (uint32_t row = 0; row < kCubeFaces * side; ++row) {
+        for (uint32_t x = 0; x < across; x += kPieceBits)
+            visit(kSamplesAcross * row * across + x, std::min(kPieceBits, across - x));
+    }
 }
 
 /// Appends a receiver's rows.
@@ -259,114 +265,159 @@ Transfer make_transfer(const VisibilityTile& tile, const LocalDirections& local,
     return transfer;
 }
 
-/// Of a frame.
+/// Of a frame: which samples of which pieces each local direction has, and its last receiver.
 struct DistinctRowMaker::FrameTable {
     uint32_t frame = ~0u;
-    std::vector<uint16_t> local;     ///< of each sample
-    std::vector<uint32_t> above;     ///< a bit a sample
-    std::vector<uint16_t> of_texel;  ///< local direction of all four samples of a texel, or kSeveral
-    static constexpr uint16_t kSeveral = 0xffff;
+    std::vector<uint32_t> begin;   ///< of each local direction's part of the next three
+    std::vector<uint16_t> piece;   ///< rising
+    std::vector<uint64_t> mask;    ///< samples above the plane that go to the local direction
+    std::vector<uint64_t> last;    ///< those that the last receiver saw
+    std::vector<uint32_t> row_of;  ///< its rows; kNone: there is none yet
+    static constexpr uint32_t kNone = ~0u;
+
+    FrameTable() = default;
+    FrameTable(uint32_t number, const Frame& axes, uint32_t side, const LocalDirections& local);
+
+  private:
+    struct Part {
+        uint16_t local, piece;
+        uint64_t mask;
+    };
+    static std::vector<Part> parts_of(const Frame& axes, uint32_t side, const LocalDirections& local);
 };
 
+std::vector<DistinctRowMaker::FrameTable::Part> DistinctRowMaker::FrameTable::parts_of(const Frame& axes, uint32_t side,
+                                                                                       const LocalDirections& local) {
+    const std::vector<uint16_t> local_of = local_of_samples(axes, side, local);
+    const std::vector<uint32_t> above = samples_above(axes, side);
+    std::vector<Part> parts;
+    std::vector<uint64_t> masks(local.count(), 0);
+    std::vector<uint16_t> met;
+    uint16_t piece = 0;
+    visit_pieces(side, [&](uint32_t first, uint32_t count) {
+        met.clear();
+        for (uint32_t row = 0; row < kSamplesAcross; ++row) {
+            for (uint32_t i = 0; i < count; ++i) {
+                const uint32_t s = first + row * kSamplesAcross * side + i;
+                if ((above[s / 32] >> s % 32 & 1) == 0) continue;
+                if (masks[local_of[s]] == 0) met.push_back(local_of[s]);
+                masks[local_of[s]] |= uint64_t{1} << (row * kPieceBits + i);
+            }
+        }
+        for (const uint16_t j : met) parts.push_back({j, piece, std::exchange(masks[j], 0)});
+        ++piece;
+    });
+    return parts;
+}
+
+DistinctRowMaker::FrameTable::FrameTable(uint32_t number, const Frame& axes, uint32_t side,
+                                         const LocalDirections& local)
+    : frame(number), begin(local.count() + 1, 0), row_of(local.count(), kNone) {
+    const std::vector<Part> parts = parts_of(axes, side, local);
+    for (const Part& part : parts) ++begin[part.local + 1u];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    piece.resize(parts.size());
+    mask.resize(parts.size());
+    last.resize(parts.size(), 0);
+    std::vector<uint32_t> place(begin.begin(), begin.end() - 1);
+    for (const Part& part : parts) {
+        const uint32_t at = place[part.local]++;
+        piece[at] = part.piece;
+        mask[at] = part.mask;
+    }
+}
+
 DistinctRowMaker::DistinctRowMaker(uint32_t side, const LocalDirections& local)
-    : side_(side),
-      local_(local),
-      tables_(kFrameTables),
-      distinct_{{texel_count(side), {0}, {}, {}}, {}},
-      entries_(local.count()),
-      hashes_(local.count(), 0) {}
+    : side_(side), local_(local), tables_(kFrameTables), distinct_{{texel_count(side), {0}, {}, {}}, {}} {}
 
 DistinctRowMaker::~DistinctRowMaker() = default;
 
-const DistinctRowMaker::FrameTable& DistinctRowMaker::table_of(uint32_t frame, uint32_t frame_code) {
+DistinctRowMaker::FrameTable& DistinctRowMaker::table_of(uint32_t frame, uint32_t frame_code) {
     FrameTable& table = tables_[frame % kFrameTables];
-    if (table.frame == frame) return table;
-    const Frame axes = unpack_frame(frame_code);
-    table = {frame, local_of_samples(axes, side_, local_), samples_above(axes, side_),
-             std::vector<uint16_t>(texel_count(side_))};
-    for (uint32_t k = 0; k < table.of_texel.size(); ++k) {
-        const auto samples = samples_of_texel(side_, k);
-        const uint16_t first = table.local[samples[0]];
-        const bool same =
-            std::all_of(samples.begin(), samples.end(), [&](uint32_t s) { return table.local[s] == first; });
-        table.of_texel[k] = same ? first : FrameTable::kSeveral;
-    }
+    if (table.frame != frame) table = FrameTable(frame, unpack_frame(frame_code), side_, local_);
     return table;
 }
 
-void DistinctRowMaker::gather(const FrameTable& table, std::span<const uint32_t> bits) {
-    const auto add_entry = [&](uint16_t local, uint32_t texel, uint32_t quarters) {
-        const uint32_t entry = texel << 8 | quarters;
-        entries_[local].push_back(entry);
-        hashes_[local] = (hashes_[local] ^ entry) * kHashFactor;
-    };
-    const auto add_several = [&](uint32_t texel, uint32_t seen) {
-        const auto samples = samples_of_texel(side_, texel);
-        for (uint32_t i = 0; i < kSamplesInTexel; ++i) {
-            const uint16_t local = table.local[samples[i]];
-            uint32_t quarters = 0;
-            bool is_first = true;
-            for (uint32_t k = 0; k < kSamplesInTexel; ++k) {
-                if ((seen >> k & 1) == 0 || table.local[samples[k]] != local) continue;
-                is_first = is_first && (quarters > 0 || k == i);
-                ++quarters;
-            }
-            if ((seen >> i & 1) != 0 && is_first) add_entry(local, texel, quarters);
-        }
-    };
-    // Sample rows 2r and 2r + 1 are row r of the texels; in pieces of 16 texels.
+void DistinctRowMaker::combine(std::span<const uint32_t> bits) {
     const uint32_t across = kSamplesAcross * side_;
-    const auto piece = [&](uint32_t bit, uint32_t count) { return above_bits(bits, table.above, bit, count); };
-    for (uint32_t row = 0; row < kCubeFaces * side_; ++row) {
-        for (uint32_t x = 0; x < across; x += kPieceBits) {
-            const uint32_t bit = kSamplesAcross * row * across + x, count = std::min(kPieceBits, across - x);
-            const uint32_t upper = piece(bit, count), lower = piece(bit + across, count);
-            const uint32_t any = upper | lower;
-            for (uint32_t left = (any | any >> 1) & kEvenBits; left != 0; left &= left - 1) {
-                const auto at = static_cast<uint32_t>(std::countr_zero(left));
-                const uint32_t seen = (upper >> at & 3) | (lower >> at & 3) << 2;
-                const uint32_t texel = row * side_ + (x + at) / kSamplesAcross;
-                if (table.of_texel[texel] != FrameTable::kSeveral)
-                    add_entry(table.of_texel[texel], texel, kBitsOfFour[seen]);
-                else
-                    add_several(texel, seen);
-            }
+    pieces_.clear();
+    visit_pieces(side_, [&](uint32_t first, uint32_t count) {
+        pieces_.push_back(bits_from(bits, first, count) | uint64_t{bits_from(bits, first + across, count)} << 32);
+    });
+}
+
+/// The entries of a row from what its frame's last receiver sees.
+void DistinctRowMaker::gather(const FrameTable& table, uint32_t local) {
+    const uint32_t in_row = (kSamplesAcross * side_ + kPieceBits - 1) / kPieceBits;
+    entries_.clear();
+    for (uint32_t i = table.begin[local]; i < table.begin[local + 1]; ++i) {
+        const auto upper = static_cast<uint32_t>(table.last[i]), lower = static_cast<uint32_t>(table.last[i] >> 32);
+        const uint32_t any = upper | lower, piece = table.piece[i];
+        const uint32_t texel = piece / in_row * side_ + piece % in_row * (kPieceBits / kSamplesAcross);
+        for (uint32_t left = (any | any >> 1) & kEvenBits; left != 0; left &= left - 1) {
+            const auto at = static_cast<uint32_t>(std::countr_zero(left));
+            const uint32_t quarters = kBitsOfFour[(upper >> at & 3) | (lower >> at & 3) << 2];
+            entries_.push_back((texel + at / kSamplesAcross) << 8 | quarters);
         }
     }
 }
 
-void DistinctRowMaker::add_row(uint32_t local) {
-    const std::vector<uint32_t>& entries = entries_[local];
+void DistinctRowMaker::grow_places() {
+    places_log2_ = places_.empty() ? kFirstPlacesLog2 : places_log2_ + 1;
+    places_.assign(size_t{1} << places_log2_, 0);
+    for (uint32_t row = 0; row < hashes_.size(); ++row) {
+        size_t place = hashes_[row] >> (64 - places_log2_);
+        while (places_[place] != 0) place = (place + 1) % places_.size();
+        places_[place] = row + 1;
+    }
+}
+
+/// Of the row of `entries_`, which joins the others if it is not there.
+uint32_t DistinctRowMaker::number_of_row() {
     Transfer& rows = distinct_.rows;
-    const auto [first, last] = places_.equal_range(hashes_[local]);
-    const auto known = std::find_if(first, last, [&](const auto& place) {
-        const uint32_t begin = rows.row_begin[place.second];
-        if (rows.row_begin[place.second + 1] - begin != entries.size()) return false;
-        for (size_t i = 0; i < entries.size(); ++i) {
-            if (entries[i] >> 8 != rows.column[begin + i] ||
-                (entries[i] & 0xff) != static_cast<uint32_t>(rows.quarters[begin + i]))
+    uint64_t hash = entries_.size();
+    for (const uint32_t entry : entries_) hash = (hash ^ entry) * kHashFactor;
+    const auto is_row = [&](uint32_t row) {
+        const uint32_t begin = rows.row_begin[row];
+        if (hashes_[row] != hash || rows.row_begin[row + 1] - begin != entries_.size()) return false;
+        for (size_t i = 0; i < entries_.size(); ++i) {
+            if (entries_[i] !=
+                (uint32_t{rows.column[begin + i]} << 8 | static_cast<uint32_t>(rows.quarters[begin + i])))
                 return false;
         }
         return true;
-    });
-    if (known != last) {
-        distinct_.row_of.push_back(known->second);
-        return;
+    };
+    if (2 * (hashes_.size() + 1) > places_.size()) grow_places();
+    size_t place = hash >> (64 - places_log2_);
+    for (; places_[place] != 0; place = (place + 1) % places_.size()) {
+        if (is_row(places_[place] - 1)) return places_[place] - 1;
     }
-    places_.emplace(hashes_[local], rows.rows());
-    distinct_.row_of.push_back(rows.rows());
-    for (const uint32_t entry : entries) {
+    hashes_.push_back(hash);
+    places_[place] = static_cast<uint32_t>(hashes_.size());
+    for (const uint32_t entry : entries_) {
         rows.column.push_back(static_cast<uint16_t>(entry >> 8));
         rows.quarters.push_back(static_cast<int8_t>(entry & 0xff));
     }
     rows.row_begin.push_back(static_cast<uint32_t>(rows.column.size()));
+    return rows.rows() - 1;
 }
 
 void DistinctRowMaker::add(uint32_t frame, uint32_t frame_code, std::span<const uint32_t> bits) {
-    for (auto& entries : entries_) entries.clear();
-    std::fill(hashes_.begin(), hashes_.end(), 0);
-    gather(table_of(frame, frame_code), bits);
-    for (uint32_t local = 0; local < local_.count(); ++local) add_row(local);
+    FrameTable& table = table_of(frame, frame_code);
+    combine(bits);
+    for (uint32_t local = 0; local < local_.count(); ++local) {
+        uint64_t changed = 0;
+        for (uint32_t i = table.begin[local]; i < table.begin[local + 1]; ++i) {
+            const uint64_t seen = pieces_[table.piece[i]] & table.mask[i];
+            changed |= seen ^ table.last[i];
+            table.last[i] = seen;
+        }
+        if (changed != 0 || table.row_of[local] == FrameTable::kNone) {
+            gather(table, local);
+            table.row_of[local] = number_of_row();
+        }
+        distinct_.row_of.push_back(table.row_of[local]);
+    }
 }
 
 DistinctRows DistinctRowMaker::take() {

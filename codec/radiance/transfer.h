@@ -8,7 +8,6 @@
 
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -63,7 +62,8 @@ class DistinctRowMaker {
     DistinctRowMaker(uint32_t side, const LocalDirections& local);
     ~DistinctRowMaker();
 
-    /// `bits`: of the next receiver, whose frame has this number among those of the tile. O(samples that are seen).
+    /// `bits`: of the next receiver, whose frame has this number among those of the tile. O(samples / 32 + entries of
+    /// the rows that are not those of the last receiver with this frame).
     void add(uint32_t frame, uint32_t frame_code, std::span<const uint32_t> bits);
     /// Of the distinct rows so far.
     uint64_t nonzeros() const { return distinct_.rows.nonzeros(); }
@@ -72,18 +72,23 @@ class DistinctRowMaker {
 
   private:
     struct FrameTable;
-    const FrameTable& table_of(uint32_t frame, uint32_t frame_code);
-    void gather(const FrameTable& table, std::span<const uint32_t> bits);
-    void add_row(uint32_t local);
+    FrameTable& table_of(uint32_t frame, uint32_t frame_code);
+    void combine(std::span<const uint32_t> bits);
+    void gather(const FrameTable& table, uint32_t local);
+    uint32_t number_of_row();
+    void grow_places();
 
     uint32_t side_;
     const LocalDirections& local_;
     std::vector<FrameTable> tables_;  ///< of the frames that were asked for last
     DistinctRows distinct_;
-    std::unordered_multimap<uint64_t, uint32_t> places_;  ///< of rows by their hashes
-    /// Of the receiver: of each local direction its entries (column << 8 | quarters) and their hash.
-    std::vector<std::vector<uint32_t>> entries_;
+    /// Of the rows: their hashes, and a table of 1 + their numbers by the hashes' upper bits, 0 where there is none.
     std::vector<uint64_t> hashes_;
+    std::vector<uint32_t> places_;
+    uint32_t places_log2_ = 0;
+    /// Of the receiver: two rows of 32 samples, the upper one in the lower half, for each 16 texels.
+    std::vector<uint64_t> pieces_;
+    std::vector<uint32_t> entries_;  ///< of one row: column << 8 | quarters
 };
 /// The whole again.
 Transfer all_rows(const DistinctRows& distinct);

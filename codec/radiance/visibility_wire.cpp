@@ -16,6 +16,8 @@ namespace {
 
 /// Receivers that one may be told by.
 constexpr uint32_t kWindow = 256;
+/// The first byte of the first message: n - 1, and above it the version of what follows.
+constexpr uint32_t kSideBits = 6, kVersion = 2;
 /// Levels that are known after each step.
 constexpr std::array<uint32_t, kVisibilitySteps> kLevelsOfStep = {2, 3, 4};
 
@@ -106,7 +108,7 @@ class ReceiverCode {
         const CellStates& second = state_of(receiver, references.second);
         for (uint32_t step = 0, level = 0; step < coders_.size(); ++step) {
             for (; level < kLevelsOfStep[step]; ++level)
-                levels_[level].code(coders_[step], cells.present, first, second, states);
+                levels_[level].code(coders_[step], {cells.present, first, second}, states);
         }
     }
 
@@ -123,10 +125,7 @@ class ReceiverCode {
     CellStates& start(uint32_t receiver, const FrameCells& cells) {
         if (window_.size() <= receiver % kWindow) window_.emplace_back(layout_);
         CellStates& states = window_[receiver % kWindow];
-        if constexpr (Coder::kDecodes)
-            states = unknown_;
-        else
-            states.set_from_bits(layout_, tile_.of(receiver), cells.above);
+        if constexpr (!Coder::kDecodes) states.set_from_bits(layout_, tile_.of(receiver), cells.above);
         return states;
     }
     const CellStates& state_of(uint32_t receiver, uint32_t back) const {
@@ -172,14 +171,15 @@ std::vector<VisibilityStep> encode_visibility(const VisibilityTile& given) {
         }
     }
     for (uint32_t step = 0; step < kVisibilitySteps; ++step) steps[step].bytes = coders[step].finish();
-    steps[0].bytes.insert(steps[0].bytes.begin(), static_cast<std::byte>(tile.side));
+    steps[0].bytes.insert(steps[0].bytes.begin(), static_cast<std::byte>(kVersion << kSideBits | (tile.side - 1)));
     return steps;
 }
 
 Result<uint32_t> visibility_side(std::span<const std::byte> first_step) {
-    const uint32_t side = first_step.empty() ? 0 : std::to_integer<uint32_t>(first_step[0]);
-    if (side < 1 || side > kMostCubeSide) return Error{"visibility of a cube that cannot be", 0};
-    return side;
+    if (first_step.empty()) return Error{"visibility without its first byte", 0};
+    const auto first = std::to_integer<uint32_t>(first_step[0]);
+    if (first >> kSideBits != kVersion) return Error{"visibility of another version of the format: build it anew", 0};
+    return first % (1u << kSideBits) + 1;
 }
 
 Status visit_visibility(const VisibilityTile& known, std::span<const std::span<const std::byte>> steps,

@@ -15,16 +15,6 @@ namespace citystream::bench {
 
 using namespace tiles;
 
-TemporaryFolder::TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "citystream-bench-XXXXXX").string();
-    if (mkdtemp(pattern.data()) != nullptr) path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
-}
-
 namespace {
 
 Status build(const layers::CitySource& source, const LayerSet& set, const std::string& archive) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "codec/result.h"
+#include "tests/temporary_folder.h"
 #include "tiles/archive/archive.h"
 #include "tiles/tileset/chart_index.h"
 #include "tiles/tileset/directory.h"
@@ -15,18 +16,7 @@
 
 namespace citystream::bench {
 
-/// A fresh folder under the system's temporary one, removed with everything in it.
-class TemporaryFolder {
-  public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
-  private:
-    std::filesystem::path path_;
-};
+using tests::TemporaryFolder;
 
 /// A subtree and its bytes in the archive.
 struct SubtreeBytes {

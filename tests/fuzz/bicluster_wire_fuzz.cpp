@@ -47,20 +47,33 @@ void check_clusters(const DecodedBiclusters& decoded) {
     require(ResidentRadianceView::create(words).ok());
 }
 
+void check_clustered_rows(const ClusteredRows& clustered) {
+    for (const uint32_t row : clustered.clusters.row) require(row < clustered.clusters.rows);
+    for (const uint32_t row : clustered.row_of) require(row < clustered.clusters.rows);
+    const auto again = decode_clustered_rows(encode_clustered_rows(clustered, 1), 1 << 16, kLimits.entries);
+    require(again.ok() && again->clusters == clustered.clusters && again->row_of == clustered.row_of);
+    require(ResidentRadianceView::create(make_resident_radiance(clustered.clusters, clustered.row_of, 1)).ok());
+    const auto sum = checked_sum_of(clustered.clusters, kLimits.entries, 4);
+    if (sum) check_rows(*sum);
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     if (size == 0) return 0;
     const auto bytes = std::as_bytes(std::span(data, size).subspan(1));
-    if (data[0] % 3 == 0) {
+    if (data[0] % 4 == 0) {
         const auto decoded = decode_biclusters(bytes, kLimits);
         if (decoded) check_clusters(*decoded);
-    } else if (data[0] % 3 == 1) {
+    } else if (data[0] % 4 == 1) {
         const auto rows = decode_rows(bytes, kLimits);
         if (!rows) return 0;
         check_rows(*rows);
         const auto again = decode_rows(encode_rows(*rows, 1), {1 << 20, kLimits.entries});
         require(again.ok() && *again == *rows);
+    } else if (data[0] % 4 == 3) {
+        const auto clustered = decode_clustered_rows(bytes, kLimits.receivers, kLimits.entries);
+        if (clustered) check_clustered_rows(*clustered);
     } else {
         const auto distinct = decode_distinct_rows(bytes, kLimits);
         if (!distinct) return 0;

@@ -103,6 +103,8 @@ TEST(BadInput, ReportRefusesSettingsThatItCannotBuildOrName) {
     refuse_light({"--directions", "65", "--", "generate"}, "--directions");
     refuse_light({"--local-directions", "0", "--", "generate"}, "--local-directions");
     refuse_light({"--lattices", "4"}, "--lattices");
+    refuse_light({"--radiance-transports", "post", "--", "generate"}, "--radiance-transports");
+    refuse_light({"--radiance-transports", "rows"}, "--radiance-transports");
     refuse_light({"--light-tolerances", "0.1,2"}, "--light-tolerances");
     refuse_light({"--matrices", "dense"}, "--matrices");
     refuse_light({"--matrix-errors", "nan"}, "--matrix-errors");

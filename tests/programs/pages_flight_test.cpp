@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -12,34 +11,16 @@
 #include "client/report/image_metrics.h"
 #include "tests/programs/flown_frames.h"
 #include "tests/programs/program_runner.h"
-#include "tiles/city/generator_layout.h"
+#include "tests/programs/street_path.h"
 
 namespace citystream::tests {
 namespace {
 
 using Json = nlohmann::json;
-using tiles::city::procedural::Axis;
-using tiles::city::procedural::CityPlan;
-using tiles::city::procedural::kMetre;
 
 constexpr const char *kLarge = "960x540", *kSmall = "320x180";
 constexpr uint64_t kSeed = 7;
 constexpr uint32_t kBuildings = 200;
-
-/// From the sky to the middle of a main street.
-std::string path_to_street() {
-    const CityPlan plan(kSeed, kBuildings);
-    const auto x = plan.line(Axis::kX, 0).axis;
-    std::string path = "t,x,y,z,yaw,pitch,fov\n";
-    int t = 0;
-    for (const auto& [along, height, pitch] :
-         {std::array{-200.0, 140.0, -25.0}, {-80.0, 28.0, -12.0}, {-40.0, 1.7, 2.0}}) {
-        const double ground = static_cast<double>(plan.ground(x, static_cast<int64_t>(along * kMetre))) / kMetre;
-        path +=
-            fmt::format("{},{},{},{},10,{},60\n", t++, static_cast<double>(x) / kMetre, along, ground + height, pitch);
-    }
-    return path;
-}
 
 /// The city with atlases of a form, without shared charts; the one of charts has its reference beside it.
 const std::string& city(const std::string& form) {
@@ -67,7 +48,7 @@ const std::string& city(const std::string& form) {
 }
 
 Flown fly(const std::string& place, const std::string& size, const std::vector<std::string>& more = {}) {
-    return fly_three_frames(place, path_to_street(), size, more);
+    return fly_three_frames(place, path_to_street(kSeed, kBuildings, -200, 140), size, more);
 }
 
 TEST(PagesFlight, FramesAgreeWithTheReferenceAndWithThoseOfCharts) {

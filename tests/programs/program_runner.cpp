@@ -108,16 +108,6 @@ int Background::stop(int signal) {
     return code;
 }
 
-TemporaryFolder::TemporaryFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "citystream-test-XXXXXX").string();
-    if (mkdtemp(pattern.data())) path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-}
-
 std::string url_in(const std::string& line) {
     const size_t begin = line.find("http://");
     return begin == std::string::npos ? "" : line.substr(begin, line.find_first_of(" )\t\r\n", begin) - begin);

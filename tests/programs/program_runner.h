@@ -1,5 +1,4 @@
-// Runs the project's programs as a user would: real binaries, their output and exit codes; temporary folders that
-// vanish.
+// Runs the project's programs as a user would: real binaries, their output and exit codes.
 #pragma once
 
 #include <sys/types.h>
@@ -7,6 +6,8 @@
 #include <filesystem>
 #include <string>
 #include <vector>
+
+#include "tests/temporary_folder.h"
 
 namespace citystream::tests {
 
@@ -40,20 +41,6 @@ class Background {
     pid_t pid_ = -1;
     int output_ = -1;
     std::string ready_line_;
-};
-
-/// A fresh folder under the system's temporary one.
-class TemporaryFolder {
-  public:
-    TemporaryFolder();
-    ~TemporaryFolder();
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-    const std::filesystem::path& path() const { return path_; }
-
-  private:
-    std::filesystem::path path_;
 };
 
 /// "http://127.0.0.1:PORT" out of a server's ready line.

@@ -3,39 +3,20 @@
 
 #include <gtest/gtest.h>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "client/render/frame_file.h"
 #include "client/report/image_metrics.h"
 #include "tests/programs/flown_frames.h"
 #include "tests/programs/program_runner.h"
-#include "tiles/city/generator_layout.h"
+#include "tests/programs/street_path.h"
 
 namespace citystream::tests {
 namespace {
 
 using Json = nlohmann::json;
-using tiles::city::procedural::Axis;
-using tiles::city::procedural::CityPlan;
-using tiles::city::procedural::kMetre;
 
 constexpr const char *kLarge = "1280x720", *kSmall = "480x270";
-
-/// From the sky to the middle of a main street.
-std::string path_to_street() {
-    const CityPlan plan(7, 300);
-    const auto x = plan.line(Axis::kX, 0).axis;
-    std::string path = "t,x,y,z,yaw,pitch,fov\n";
-    int t = 0;
-    for (const auto& [along, height, pitch] :
-         {std::array{-260.0, 170.0, -25.0}, {-80.0, 28.0, -12.0}, {-40.0, 1.7, 2.0}}) {
-        const double ground = static_cast<double>(plan.ground(x, static_cast<int64_t>(along * kMetre))) / kMetre;
-        path +=
-            fmt::format("{},{},{},{},10,{},60\n", t++, static_cast<double>(x) / kMetre, along, ground + height, pitch);
-    }
-    return path;
-}
 
 /// The 300-building city with pictures shared ("on", with its reference beside it) or not ("off").
 const std::string& city(bool shared) {
@@ -55,7 +36,7 @@ const std::string& city(bool shared) {
 }
 
 Flown fly(const std::string& place, const std::string& size, const std::vector<std::string>& more = {}) {
-    return fly_three_frames(place, path_to_street(), size, more);
+    return fly_three_frames(place, path_to_street(7, 300, -260, 170), size, more);
 }
 
 TEST(SharedChartsFlight, FramesAgreeWithTheReferenceAndCostFewerBytesThanWithoutSharing) {
@@ -96,7 +77,7 @@ TEST(SharedChartsFlight, SmallBudgetsAreHeld) {
 
 TEST(SharedChartsFlight, LoadClientsReplayIt) {
     const TemporaryFolder folder;
-    write_file(folder / "path.csv", path_to_street());
+    write_file(folder / "path.csv", path_to_street(7, 300, -260, 170));
     const Background server({program("citystream-serve"), city(true), "--listen", "127.0.0.1:0"}, "listening on");
     const std::string url = url_in(server.ready_line());
     ASSERT_NE(url, "");

@@ -30,10 +30,9 @@ TEST(ArchiveCatalog, GivesTwoFilesOfOneNameTwoNames) {
     const test::TemporaryFolder folder;
     std::filesystem::create_directories(folder.path() / "b");
     std::filesystem::create_directories(folder.path() / "c");
-    for (const char* name : {"demo.3tz", "b/demo.3tz", "c/demo.3tz", "metrics.3tz"})
-        test::write_city(folder.file(name));
+    for (const char* name : {"demo.3tz", "b/demo.3tz", "c/demo.3tz", "metrics.3tz"}) test::write_city(folder / name);
     const auto catalog = ArchiveCatalog::open(
-        {folder.file("demo.3tz"), folder.file("b/demo.3tz"), folder.file("c/demo.3tz"), folder.file("metrics.3tz")});
+        {folder / "demo.3tz", folder / "b/demo.3tz", folder / "c/demo.3tz", folder / "metrics.3tz"});
     ASSERT_TRUE(catalog.ok()) << catalog.error().text();
     EXPECT_EQ(catalog->cities()[0].name, "demo");
     EXPECT_EQ(catalog->cities()[1].name, "demo-2");
@@ -46,29 +45,29 @@ TEST(ArchiveCatalog, GivesTwoFilesOfOneNameTwoNames) {
 
 TEST(ArchiveCatalog, NamesTheFileThatCannotBeServed) {
     const test::TemporaryFolder folder;
-    EXPECT_EQ(error_of({folder.file("nowhere.3tz")}), folder.file("nowhere.3tz") + ": no such file");
+    EXPECT_EQ(error_of({folder / "nowhere.3tz"}), folder / "nowhere.3tz" + ": no such file");
     EXPECT_NE(error_of({folder.path().string()}).find("a folder"), std::string::npos);
-    std::ofstream(folder.file("text.3tz")) << "this is no archive";
-    EXPECT_EQ(error_of({folder.file("text.3tz")}).rfind(folder.file("text.3tz") + ": ", 0), 0u);
-    std::ofstream(folder.file("empty.3tz")).flush();
-    EXPECT_NE(error_of({folder.file("empty.3tz")}), "");
+    std::ofstream(folder / "text.3tz") << "this is no archive";
+    EXPECT_EQ(error_of({folder / "text.3tz"}).rfind(folder / "text.3tz" + ": ", 0), 0u);
+    std::ofstream(folder / "empty.3tz").flush();
+    EXPECT_NE(error_of({folder / "empty.3tz"}), "");
 }
 
 TEST(ArchiveCatalog, RefusesAnArchiveWithoutReadableDirectory) {
     const test::TemporaryFolder folder;
     for (const bool broken : {false, true}) {
-        auto writer = tiles::archive::ArchiveWriter::create(folder.file("x.3tz"));
+        auto writer = tiles::archive::ArchiveWriter::create(folder / "x.3tz");
         ASSERT_TRUE(writer.ok());
         ASSERT_TRUE((*writer)->add(broken ? "tileset.json" : "other.json", test::bytes_of("{}")).ok());
         ASSERT_TRUE((*writer)->finish().ok());
-        EXPECT_NE(error_of({folder.file("x.3tz")}).find("tileset.json"), std::string::npos);
+        EXPECT_NE(error_of({folder / "x.3tz"}).find("tileset.json"), std::string::npos);
     }
 }
 
 TEST(ArchiveCatalog, TagsAnEntryByItsChecksumAndSize) {
     const test::TemporaryFolder folder;
-    test::write_city(folder.file("demo.3tz"));
-    const auto catalog = ArchiveCatalog::open({folder.file("demo.3tz")});
+    test::write_city(folder / "demo.3tz");
+    const auto catalog = ArchiveCatalog::open({folder / "demo.3tz"});
     ASSERT_TRUE(catalog.ok());
     const City& city = catalog->cities()[0];
     for (const auto& entry : city.archive->entries()) {
@@ -84,8 +83,8 @@ TEST(ArchiveCatalog, TagsAnEntryByItsChecksumAndSize) {
 
 TEST(Pages, TellEachCityWithPictureAndSizes) {
     const test::TemporaryFolder folder;
-    test::write_city(folder.file("demo.3tz"), "Old <Town> & \"Harbour\"");
-    const auto catalog = ArchiveCatalog::open({folder.file("demo.3tz")});
+    test::write_city(folder / "demo.3tz", "Old <Town> & \"Harbour\"");
+    const auto catalog = ArchiveCatalog::open({folder / "demo.3tz"});
     ASSERT_TRUE(catalog.ok());
     const std::string page = index_page(catalog->cities());
     EXPECT_NE(page.find("Old &lt;Town&gt; &amp; &quot;Harbour&quot;"), std::string::npos)
@@ -101,8 +100,8 @@ TEST(Pages, TellEachCityWithPictureAndSizes) {
 
 TEST(Pages, ListTheCitiesForPrograms) {
     const test::TemporaryFolder folder;
-    test::write_city(folder.file("demo.3tz"), "Town");
-    const auto catalog = ArchiveCatalog::open({folder.file("demo.3tz")});
+    test::write_city(folder / "demo.3tz", "Town");
+    const auto catalog = ArchiveCatalog::open({folder / "demo.3tz"});
     ASSERT_TRUE(catalog.ok());
     const auto document = nlohmann::json::parse(cities_json(catalog->cities()));
     const auto& city = document.at("cities").at(0);

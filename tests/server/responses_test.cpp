@@ -18,8 +18,8 @@ constexpr std::string_view kMesh = "/demo/tiles/0/0/0.mesh";
 class Responses : public testing::Test {
   protected:
     void SetUp() override {
-        test::write_city(folder_.file("demo.3tz"));
-        auto catalog = ArchiveCatalog::open({folder_.file("demo.3tz")});
+        test::write_city(folder_ / "demo.3tz");
+        auto catalog = ArchiveCatalog::open({folder_ / "demo.3tz"});
         ASSERT_TRUE(catalog.ok()) << catalog.error().text();
         metrics_ = std::make_unique<Metrics>(std::vector<Metrics::CityLabel>{{"demo", 1}});
         site_ = std::make_unique<Site>(std::move(*catalog), *metrics_);

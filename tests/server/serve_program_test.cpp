@@ -25,7 +25,7 @@ const std::string kProgram = std::string(CITYSTREAM_BIN_DIR) + "/citystream-serv
 class Program {
   public:
     Program(const std::vector<std::string>& arguments, const test::TemporaryFolder& folder)
-        : out_(folder.file("stdout")), err_(folder.file("stderr")) {
+        : out_(folder / "stdout"), err_(folder / "stderr") {
         std::filesystem::remove(out_);
         child_ = ::fork();
         if (child_ == 0) {
@@ -87,7 +87,7 @@ class ServeProgram : public testing::Test {
   protected:
     void SetUp() override {
         if (!std::filesystem::exists(kProgram)) GTEST_SKIP() << kProgram << " has not been built";
-        test::write_city(folder_.file("demo.3tz"), "Demo", true);
+        test::write_city(folder_ / "demo.3tz", "Demo", true);
     }
     size_t lines(const std::string& text) { return static_cast<size_t>(std::count(text.begin(), text.end(), '\n')); }
     test::TemporaryFolder folder_;
@@ -95,7 +95,7 @@ class ServeProgram : public testing::Test {
 
 TEST_F(ServeProgram, AnnouncesItsPortServesAndEndsCleanlyOnASignal) {
     for (const int number : {SIGINT, SIGTERM}) {
-        Program program({folder_.file("demo.3tz"), "--listen", "127.0.0.1:0", "--threads", "2"}, folder_);
+        Program program({folder_ / "demo.3tz", "--listen", "127.0.0.1:0", "--threads", "2"}, folder_);
         const auto port = program.port();
         ASSERT_TRUE(port) << program.errors();
         EXPECT_EQ(test::RawClient(*port).ask("/demo/tiles/0/0/0.mesh").body, test::mesh_bytes());
@@ -106,7 +106,7 @@ TEST_F(ServeProgram, AnnouncesItsPortServesAndEndsCleanlyOnASignal) {
 }
 
 TEST_F(ServeProgram, FinishesADownloadBeforeItEnds) {
-    Program program({folder_.file("demo.3tz"), "--listen", "127.0.0.1:0", "--json"}, folder_);
+    Program program({folder_ / "demo.3tz", "--listen", "127.0.0.1:0", "--json"}, folder_);
     const auto port = program.port();
     ASSERT_TRUE(port) << program.errors();
     test::RawClient client(*port, 4096);
@@ -119,9 +119,9 @@ TEST_F(ServeProgram, FinishesADownloadBeforeItEnds) {
 }
 
 TEST_F(ServeProgram, FailsWithOneLineWhenAFileCannotBeServed) {
-    std::ofstream(folder_.file("text.3tz")) << std::string(1000, 'x');
+    std::ofstream(folder_ / "text.3tz") << std::string(1000, 'x');
     for (const char* name : {"missing.3tz", "text.3tz"}) {
-        Program program({folder_.file("demo.3tz"), folder_.file(name), "--listen", "127.0.0.1:0"}, folder_);
+        Program program({folder_ / "demo.3tz", folder_ / name, "--listen", "127.0.0.1:0"}, folder_);
         EXPECT_EQ(program.exit_code(), 1) << name;
         EXPECT_EQ(lines(program.errors()), 1u) << program.errors();
         EXPECT_NE(program.errors().find(name), std::string::npos) << program.errors();
@@ -130,10 +130,10 @@ TEST_F(ServeProgram, FailsWithOneLineWhenAFileCannotBeServed) {
 
 TEST_F(ServeProgram, FailsWithOneLineWhenThePortIsTaken) {
     const test::TemporaryFolder other;
-    Program first({folder_.file("demo.3tz"), "--listen", "127.0.0.1:0"}, folder_);
+    Program first({folder_ / "demo.3tz", "--listen", "127.0.0.1:0"}, folder_);
     const auto port = first.port();
     ASSERT_TRUE(port);
-    Program second({folder_.file("demo.3tz"), "--listen", "127.0.0.1:" + std::to_string(*port)}, other);
+    Program second({folder_ / "demo.3tz", "--listen", "127.0.0.1:" + std::to_string(*port)}, other);
     EXPECT_EQ(second.exit_code(), 1);
     EXPECT_EQ(lines(second.errors()), 1u) << second.errors();
     EXPECT_NE(second.errors().find("in use"), std::string::npos) << second.errors();

@@ -29,13 +29,13 @@ class ServerTest : public testing::Test {
   protected:
     static void SetUpTestSuite() {
         folder_ = std::make_unique<test::TemporaryFolder>();
-        test::write_city(folder_->file("demo.3tz"), "Demo", true);
-        test::write_city(folder_->file("other.3tz"), "Other");
+        test::write_city(*folder_ / "demo.3tz", "Demo", true);
+        test::write_city(*folder_ / "other.3tz", "Other");
     }
     static void TearDownTestSuite() { folder_.reset(); }
 
     void start(ServerOptions options = {}) {
-        auto catalog = ArchiveCatalog::open({folder_->file("demo.3tz"), folder_->file("other.3tz")});
+        auto catalog = ArchiveCatalog::open({*folder_ / "demo.3tz", *folder_ / "other.3tz"});
         ASSERT_TRUE(catalog.ok()) << catalog.error().text();
         options.listen.port = 0;
         options.threads = 2;
@@ -276,7 +276,7 @@ TEST_F(ServerTest, ServesManyClientsAtOnce) {
 
 TEST_F(ServerTest, SaysWhenThePortIsTaken) {
     start();
-    auto catalog = ArchiveCatalog::open({folder_->file("demo.3tz")});
+    auto catalog = ArchiveCatalog::open({*folder_ / "demo.3tz"});
     ASSERT_TRUE(catalog.ok());
     const auto second = Server::start(std::move(*catalog), {.listen = {"127.0.0.1", port()}});
     ASSERT_FALSE(second.ok());

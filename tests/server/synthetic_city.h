@@ -3,41 +3,21 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <atomic>
 #include <cstddef>
 #include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "tests/temporary_folder.h"
 #include "tiles/archive/archive.h"
 #include "tiles/tileset/directory.h"
 #include "tiles/tileset/tileset_json.h"
 
 namespace citystream::server::test {
 
-class TemporaryFolder {
-  public:
-    TemporaryFolder() {
-        static std::atomic<int> counter{0};
-        path_ = std::filesystem::temp_directory_path() /
-                ("citystream-server-test-" + std::to_string(::getpid()) + "-" + std::to_string(counter++));
-        std::filesystem::create_directories(path_);
-    }
-    ~TemporaryFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    std::string file(const std::string& name) const { return (path_ / name).string(); }
-    const std::filesystem::path& path() const { return path_; }
-
-  private:
-    std::filesystem::path path_;
-};
+using tests::TemporaryFolder;
 
 /// Bytes that differ from place to place, so that a shifted answer is noticed.
 inline std::string patterned(size_t size, unsigned seed = 1) {

@@ -49,10 +49,12 @@ Status EarlierRadiance::read_directory() {
 void EarlierRadiance::note(const tileset::TileRecord& tile) {
     Place place{tileset::layer_path(kLayer, tile.address), tile.steps(kLayer)};
     const auto bytes = reader_->find(place.entry);
-    const bool whole = place.steps.back().end == bytes.size();
-    const auto hash = whole ? codec::radiance::read_bake_hash(bytes.first(place.steps.front().end))
-                            : Result<uint64_t>(Error{"not as long as the directory says"});
-    if (hash) {
+    // Nothing of a layer that is not as long as the directory says.
+    const auto first = bytes.first(place.steps.back().end == bytes.size() ? place.steps.front().end : 0);
+    const auto hash = codec::radiance::read_bake_hash(first);
+    const auto transport = codec::radiance::read_radiance_transport(first);
+    if (hash && transport) {
+        place.transport = *transport;
         places_.emplace(*hash, std::move(place));
     } else {
         ++damaged_;
@@ -72,7 +74,7 @@ std::optional<EarlierRadiance::Layer> EarlierRadiance::find(uint64_t bake_hash) 
         }
         begin = step.end;
     }
-    return Layer{bytes, place.steps};
+    return Layer{bytes, place.steps, place.transport};
 }
 
 }  // namespace citystream::tiles::layers

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "codec/radiance/radiance_transport.h"
 #include "codec/result.h"
 #include "tiles/archive/archive.h"
 #include "tiles/tileset/directory.h"
@@ -22,6 +23,7 @@ class EarlierRadiance {
     struct Layer {
         std::span<const std::byte> bytes;  ///< valid as long as this object is
         std::vector<tileset::StepRecord> steps;
+        codec::radiance::RadianceTransport transport = codec::radiance::RadianceTransport::kVisibility;
     };
 
     /// Reads the directory and the beginning of each radiance layer. Null: there is no file at `path`, or its city has
@@ -39,6 +41,7 @@ class EarlierRadiance {
     struct Place {
         std::string entry;
         std::vector<tileset::StepRecord> steps;
+        codec::radiance::RadianceTransport transport = codec::radiance::RadianceTransport::kVisibility;
     };
     Status read_directory();
     void note(const tileset::TileRecord& tile);

@@ -18,7 +18,13 @@ Result<nlohmann::json> radiance_json(const archive::ArchiveReader& reader, const
         const auto& prefix = totals->prefixes[i];
         prefixes.push_back({{"steps", i + 1}, {"wire_bytes", prefix.wire_bytes}, {"error", prefix.error}});
     }
+    nlohmann::json transports = nlohmann::json::object();
+    for (size_t i = 0; i < totals->transport_tiles.size(); ++i) {
+        if (totals->transport_tiles[i] > 0)
+            transports[std::string(codec::radiance::kRadianceTransportNames[i])] = totals->transport_tiles[i];
+    }
     return nlohmann::json{{"receivers", totals->receivers},
+                          {"transports", std::move(transports)},
                           {"leaf_receivers", totals->leaf_receivers},
                           {"bytes_a_receiver", totals->bytes_a_receiver()},
                           {"percent_of_tile_bytes", tileset::radiance_percent(*totals, manifest)},

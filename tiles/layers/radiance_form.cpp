@@ -33,9 +33,12 @@ Status check_radiance_form(const RadianceForm& form) {
 }
 
 std::string to_string(const RadianceForm& form) {
-    return fmt::format(" lattice={}m directions={} local-directions={}", form.lattice_metres, form.texels_across,
-                       form.local_across) +
-           (form.error > 0 ? fmt::format(" radiance-error={}", form.error) : "");
+    std::string text = fmt::format(" lattice={}m directions={} local-directions={}", form.lattice_metres,
+                                   form.texels_across, form.local_across);
+    if (form.error > 0) text += fmt::format(" radiance-error={}", form.error);
+    if (form.transport != RadianceForm().transport)
+        text += fmt::format(" radiance-transport={}", name_of(form.transport));
+    return text;
 }
 
 uint32_t lattice_of_tile(const RadianceForm& form, uint64_t side_metres, bool leaf) {

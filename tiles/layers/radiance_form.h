@@ -5,6 +5,7 @@
 #include <string>
 
 #include "codec/radiance/local_directions.h"
+#include "codec/radiance/radiance_transport.h"
 #include "codec/radiance/source_directions.h"
 #include "codec/result.h"
 
@@ -30,6 +31,7 @@ struct RadianceForm {
     uint32_t local_across = 8;    ///< m of the local directions: 1..codec::radiance::kMostLocalSide
     /// Relative radiance that each place may have wrong for fewer bytes (codec/radiance/visibility_smoothing.h); 0..1.
     double error = 0;
+    codec::radiance::RadianceTransport transport = codec::radiance::RadianceTransport::kVisibility;
     bool reuse = true;  ///< takes what it can from the archive that is to be replaced
 };
 
@@ -39,7 +41,7 @@ bool radiance_can_be_built();
 /// Error: a value out of range, or no Embree; one line.
 Status check_radiance_form(const RadianceForm& form);
 
-/// For Manifest::build_options: " lattice=4m directions=32 local-directions=8".
+/// For Manifest::build_options: " lattice=4m directions=32 local-directions=8", and what is not as by default.
 std::string to_string(const RadianceForm& form);
 
 /// Spacing of a tile's lattice, metres: kLatticeColumns across, but that of a leaf is at least what is asked for, and
@@ -50,6 +52,7 @@ struct RadianceReport {
     uint64_t tiles = 0;      ///< that have the layer
     uint64_t baked = 0;      ///< of them; the others are as in the archive that was there
     uint64_t reused = 0;     ///< of them
+    uint64_t recoded = 0;    ///< of those reused: they travelled as visibility, and their bits are written otherwise
     uint64_t widened = 0;    ///< of them: on a wider lattice than asked for, because of too many receivers
     uint64_t left_out = 0;   ///< tiles that have surfaces but no layer
     uint64_t receivers = 0;  ///< of the tiles that were baked
@@ -57,6 +60,7 @@ struct RadianceReport {
     double seconds = 0;
     double bake_seconds = 0, encode_seconds = 0;  ///< of all threads together
     uint64_t horizon_bytes = 0;                   ///< that the city's heights took
+    codec::radiance::RadianceTransport transport = codec::radiance::RadianceTransport::kVisibility;
 };
 
 }  // namespace citystream::tiles::layers

@@ -16,6 +16,7 @@
 
 #include "codec/radiance/radiance_layer.h"
 #include "codec/radiance/visibility_smoothing.h"
+#include "codec/radiance/visibility_wire.h"
 #include "tiles/layers/build_stage.h"
 #include "tiles/layers/earlier_radiance.h"
 #include "tiles/layers/memory_pass.h"
@@ -38,7 +39,7 @@ using radiance::BakeOptions;
 using tileset::Layer;
 
 /// Of what the layers of equal tiles depend on besides their surfaces: raised with whatever changes their bytes.
-constexpr uint64_t kLayerVersion = 1;
+constexpr uint64_t kLayerVersion = 2;
 
 // What a tile takes while it is baked, in bytes.
 constexpr uint64_t kBytesPerTile = 4 << 20;
@@ -100,6 +101,7 @@ class BakingStage final : public RadianceStage {
   public:
     BakingStage(const RadianceInput& input, std::unique_ptr<quadtree::SpoolFile> spool)
         : in_(input), form_(input.options.radiance), spool_(std::move(spool)), heights_(input.lowest) {
+        report_.transport = form_.transport;
         surfaces_.resize(in_.tree.nodes.size());
         candidates_.resize(in_.tree.nodes.size());
     }
@@ -310,7 +312,10 @@ class BakingStage final : public RadianceStage {
         const GridPoint origin = {corner.x, corner.y, tile.record.base_height};
         const uint64_t hash = layer_hash(input, options, origin);
         if (earlier_) {
-            if (const auto layer = earlier_->find(hash)) return reuse(*layer, tile);
+            const auto layer = earlier_->find(hash);
+            if (layer && layer->transport == form_.transport) return reuse(*layer, tile);
+            const auto steps = layer ? recode(*layer, hash, scene, pass) : std::nullopt;
+            if (steps) return reuse_recoded(*steps, tile);
         }
         BakeOptions bake = options;
         bake.placed = [&](uint64_t receivers) { pass.change(scene + receiver_bytes(receivers)); };
@@ -333,7 +338,8 @@ class BakingStage final : public RadianceStage {
             layer.places = radiance::places_of(baked.receivers, origin, bake.lattice.spacing);
             layer.visibility = std::move(baked.visibility);
             const double error = codec::radiance::smooth_visibility(layer.visibility, form_.error);
-            const auto steps = codec::radiance::encode_radiance_layer(layer, form_.local_across, hash, error);
+            const auto steps =
+                codec::radiance::encode_radiance_layer(layer, form_.local_across, hash, error, form_.transport);
             if (!steps) return Attempt{false, steps.error().text()};
             if (Status kept = keep(*steps, tile); !kept) return kept.error();
         }
@@ -369,6 +375,43 @@ class BakingStage final : public RadianceStage {
         if (Status kept = keep(layer.bytes, layer.steps, tile); !kept) return kept.error();
         const std::lock_guard lock(mutex_);
         ++report_.reused;
+        return Attempt{true};
+    }
+
+    /// A layer that travelled as visibility in the transport that is asked for: of all its bits, the bytes that a bake
+    /// would give. Nothing: it did not, or it cannot be read.
+    std::optional<std::vector<codec::radiance::RadianceLayerStep>> recode(const EarlierRadiance::Layer& layer,
+                                                                          uint64_t hash, uint64_t scene,
+                                                                          MemoryPass& pass) {
+        if (layer.transport != codec::radiance::RadianceTransport::kVisibility ||
+            layer.steps.size() != codec::radiance::kVisibilitySteps)
+            return std::nullopt;
+        const Stopwatch watch;
+        std::vector<std::span<const std::byte>> wire;
+        uint64_t begin = 0, decoded_bytes = 0;
+        for (const tileset::StepRecord& step : layer.steps) {
+            wire.push_back(layer.bytes.subspan(begin, step.end - begin));
+            begin = step.end;
+            decoded_bytes += step.decoded_bytes;
+        }
+        const auto receivers = codec::radiance::read_receiver_count(wire[0], decoded_bytes);
+        if (!receivers) return std::nullopt;
+        pass.change(scene + receiver_bytes(*receivers));
+        const auto bits = codec::radiance::decode_radiance_tile(wire, decoded_bytes);
+        if (!bits) return std::nullopt;
+        auto steps = codec::radiance::encode_radiance_layer(*bits, form_.local_across, hash, layer.steps.back().error,
+                                                            form_.transport);
+        if (!steps) return std::nullopt;
+        const std::lock_guard lock(mutex_);
+        report_.encode_seconds += watch.seconds();
+        return std::move(*steps);
+    }
+
+    Result<Attempt> reuse_recoded(std::span<const codec::radiance::RadianceLayerStep> steps, BuiltTile& tile) {
+        if (Status kept = keep(steps, tile); !kept) return kept.error();
+        const std::lock_guard lock(mutex_);
+        ++report_.reused;
+        ++report_.recoded;
         return Attempt{true};
     }
 

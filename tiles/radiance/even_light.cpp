@@ -21,9 +21,12 @@ EvenLight::EvenLight(const std::array<double, 3>& normal) : normal_(normal) {
         const RayDirection direction = ray_direction(grid);
         const double cosine = normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2];
         if (cosine <= 0) continue;
+        const double weight = cosine * codec::radiance::cell_solid_angle(kSide, cell);
+        sum += weight;
+        // Below the ground there is nothing: what a foundation sees there is no light.
+        if (direction[2] <= 0) continue;
         directions_.push_back(direction);
-        weights_.push_back(cosine * codec::radiance::cell_solid_angle(kSide, cell));
-        sum += weights_.back();
+        weights_.push_back(weight);
     }
     for (double& weight : weights_) weight /= sum;
 }

@@ -182,8 +182,7 @@ std::optional<GridPoint> LatticePiece::at(const Place& place) const {
     return point_at(inside);
 }
 
-std::vector<GridPoint> LatticePiece::others() const {
-    std::vector<Place> places;
+std::array<Place, 2> LatticePiece::polygon_bounds() const {
     Place low = middle_, high = middle_;
     for (const auto& point : polygon_.points()) {
         for (uint32_t axis = 0; axis < 2; ++axis) {
@@ -191,6 +190,19 @@ std::vector<GridPoint> LatticePiece::others() const {
             high[axis] = std::max(high[axis], point[axis]);
         }
     }
+    return {low, high};
+}
+
+std::array<Place, 2> LatticePiece::bounds() const {
+    const auto side = static_cast<double>(spacing_);
+    auto bounds = polygon_bounds();
+    for (Place& place : bounds) place = {place[0] / side, place[1] / side};
+    return bounds;
+}
+
+std::vector<GridPoint> LatticePiece::others() const {
+    std::vector<Place> places;
+    const auto [low, high] = polygon_bounds();
     const Place step = {(high[0] - low[0]) / kPlacesAcross, (high[1] - low[1]) / kPlacesAcross};
     for (int32_t j = 0; j < kPlacesAcross; ++j) {
         for (int32_t i = 0; i < kPlacesAcross; ++i) {

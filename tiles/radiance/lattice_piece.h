@@ -41,6 +41,8 @@ class LatticePiece {
     /// The point of the piece at a place of the square, relative to the column and in spacings (-1..1); nothing where
     /// the piece does not go.
     std::optional<GridPoint> at(const std::array<double, 2>& place) const;
+    /// Least and greatest places of the piece, relative to the column and in spacings.
+    std::array<std::array<double, 2>, 2> bounds() const;
     /// Squared distance from the column to `nearest`, grid units, seen along the class.
     int64_t squared_distance() const { return squared_distance_; }
     /// What the column means to the piece: its bilinear weight, integrated over the piece, seen along the class; grid
@@ -50,6 +52,7 @@ class LatticePiece {
   private:
     LatticePiece(const ClassTriangle& triangle, const std::array<int64_t, 2>& column_at, int64_t spacing);
     void find_nearest();
+    std::array<std::array<double, 2>, 2> polygon_bounds() const;
     bool holds(const std::array<double, 2>& place) const;
     /// Of a place in the square, relative to the column, rounded to the grid.
     GridPoint point_at(const std::array<double, 2>& place) const;

@@ -29,8 +29,11 @@ constexpr float kSameDistance = 1.0F / 512;
 /// What nearest_side asks of Embree: every triangle on the way is noted and none ends it, so that the answer does not
 /// depend on the order in which they are met.
 struct SideQuery {
+    explicit SideQuery(const RayDirection& along) : context{}, direction(along) { rtcInitIntersectContext(&context); }
+    float nearest() const { return std::min(front, back); }
+
     RTCIntersectContext context;  ///< first: Embree hands a pointer to it back
-    std::array<float, 3> direction;
+    RayDirection direction;
     float front = std::numeric_limits<float>::infinity(), back = std::numeric_limits<float>::infinity();
 };
 
@@ -106,6 +109,7 @@ struct OccluderScene::State {
     uint32_t far_blocked(const GridPoint& from, std::span<const RayDirection> directions, uint32_t asked) const;
     uint32_t trace(RTCScene scene, const GridPoint& from, std::span<const RayDirection> directions, uint32_t asked,
                    float begin, float end) const;
+    SideQuery sides(const GridPoint& from, const RayDirection& direction) const;
 };
 
 Result<OccluderScene> OccluderScene::create(std::span<const SurfaceTriangle> triangles, const HeightGrid* heights,
@@ -235,24 +239,31 @@ uint32_t OccluderScene::State::trace(RTCScene scene, const GridPoint& from, std:
     return hit;
 }
 
-OccluderScene::Side OccluderScene::nearest_side(const GridPoint& from, const RayDirection& direction) const {
-    SideQuery query{.context = {}, .direction = direction};
-    rtcInitIntersectContext(&query.context);
+SideQuery OccluderScene::State::sides(const GridPoint& from, const RayDirection& direction) const {
+    SideQuery query(direction);
     RTCRayHit ray{};
-    ray.ray.org_x = metres(from.x - state_->origin.x);
-    ray.ray.org_y = metres(from.y - state_->origin.y);
-    ray.ray.org_z = metres(from.z - state_->origin.z);
+    ray.ray.org_x = metres(from.x - origin.x);
+    ray.ray.org_y = metres(from.y - origin.y);
+    ray.ray.org_z = metres(from.z - origin.z);
     ray.ray.dir_x = direction[0];
     ray.ray.dir_y = direction[1];
     ray.ray.dir_z = direction[2];
-    ray.ray.tfar = static_cast<float>(state_->reach.triangles);
+    ray.ray.tfar = static_cast<float>(reach.triangles);
     ray.ray.mask = ~0U;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(state_->near.get(), &query.context, &ray);
-    const float distance = std::min(query.front, query.back);
-    if (std::isinf(distance)) return Side::kNothing;
-    if (distance < metres(kLiftOff)) return Side::kTouching;
+    rtcIntersect1(near.get(), &query.context, &ray);
+    return query;
+}
+
+OccluderScene::Side OccluderScene::nearest_side(const GridPoint& from, const RayDirection& direction) const {
+    const SideQuery query = state_->sides(from, direction);
+    if (std::isinf(query.nearest())) return Side::kNothing;
+    if (query.nearest() < metres(kLiftOff)) return Side::kTouching;
     return query.front <= query.back + kSameDistance ? Side::kFront : Side::kBack;
+}
+
+double OccluderScene::free_way(const GridPoint& from, const RayDirection& direction, double most) const {
+    return std::min<double>(state_->sides(from, direction).nearest(), most);
 }
 
 GridPoint lifted(const GridPoint& point, const std::array<double, 3>& normal) {

@@ -71,6 +71,10 @@ class OccluderScene {
     enum class Side : uint8_t { kNothing, kFront, kBack, kTouching };
     Side nearest_side(const GridPoint& from, const RayDirection& direction) const;
 
+    /// How far a ray goes before it meets a triangle, of those within reach; `most` where it meets none so soon.
+    /// Metres.
+    double free_way(const GridPoint& from, const RayDirection& direction, double most) const;
+
     const OccluderReach& reach() const;
 
   private:

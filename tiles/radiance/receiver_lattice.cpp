@@ -6,9 +6,9 @@
 #include <tuple>
 #include <unordered_set>
 
-#include "tiles/radiance/even_light.h"
 #include "tiles/radiance/in_parallel.h"
 #include "tiles/radiance/lattice_piece.h"
+#include "tiles/radiance/standing_place.h"
 
 namespace citystream::tiles::radiance {
 
@@ -25,16 +25,6 @@ constexpr int64_t kDecisiveSlabs = 3;
 /// Parts of spacing^2: splinters that mean less to a column are not searched for a place that is not buried. Models
 /// have many, and the larger surfaces that share their receivers are searched.
 constexpr double kSearchedShare = 1.0 / 1024;
-
-/// Where a surface is looked at to find a place that stands for it: so many places across a column's square.
-constexpr int32_t kPlacesAcross = 6;
-/// Of an even sky's light: a receiver that is so much off what its surface has there moves.
-constexpr double kOffFit = 0.04;
-/// Added to the variances of places along both axes, squared spacings: a surface with few places is taken to be lit
-/// evenly rather than steeply.
-constexpr double kLevelling = 0.02;
-/// Cosine of the angle within which normals are alike enough for their surfaces to stand for each other.
-constexpr double kAlike = 0.99;
 
 /// A class and a column; with a slab that, too.
 struct Slab {
@@ -99,15 +89,7 @@ class Lattice {
     std::array<double, 3> normal_of(const Candidate& candidate) const;
     Made made_of(const Candidate& candidate, const GridPoint& point) const;
     std::optional<GridPoint> free_place(const Candidate& candidate) const;
-    struct LitPlace {
-        GridPoint point;
-        std::array<double, 2> place{};  ///< spacings from the column
-        double weight = 0, light = 0;
-    };
-    std::vector<LitPlace> lit_places(const Made& made, const EvenLight& even) const;
-    /// At the column, of the plane that is nearest to the light of the places.
-    static double fitted_light(std::span<const LitPlace> places);
-    GridPoint typical_place(const Made& made) const;
+    std::optional<GridPoint> standing_place_of(const Made& made) const;
 
     const OccluderScene& scene_;
     const LatticeOptions& options_;
@@ -231,68 +213,10 @@ Lattice::Made Lattice::made_of(const Candidate& candidate, const GridPoint& poin
             {&candidate}};
 }
 
-std::vector<Lattice::LitPlace> Lattice::lit_places(const Made& made, const EvenLight& even) const {
-    const auto normal = receiver_normal(made.receiver.surface_class, made.receiver.tilt);
-    const std::array<int64_t, 2> column_at = {made.receiver.column[0] * options_.spacing,
-                                              made.receiver.column[1] * options_.spacing};
-    std::array<bool, kPlacesAcross * kPlacesAcross> taken{};
-    std::vector<LitPlace> places;
-    for (const Candidate* candidate : made.surface) {
-        const auto other = normal_of(*candidate);
-        if (normal[0] * other[0] + normal[1] * other[1] + normal[2] * other[2] < kAlike) continue;
-        const auto piece = LatticePiece::create(triangles_[candidate->triangle], column_at, options_.spacing);
-        for (int32_t i = 0; i < kPlacesAcross * kPlacesAcross; ++i) {
-            const std::array<double, 2> place = {(2 * (i % kPlacesAcross) + 1.0) / kPlacesAcross - 1,
-                                                 (2 * (i / kPlacesAcross) + 1.0) / kPlacesAcross - 1};
-            const auto point = taken[i] ? std::nullopt : piece->at(place);
-            if (!point) continue;
-            taken[i] = true;
-            // What sees nothing of the sky is mostly under something, and nobody sees it.
-            const double light = even.at(scene_, *point);
-            if (light > 0)
-                places.push_back({*point, place, (1 - std::abs(place[0])) * (1 - std::abs(place[1])), light});
-        }
-    }
-    return places;
-}
-
-double Lattice::fitted_light(std::span<const LitPlace> places) {
-    double weight = 0;
-    std::array<double, 3> mean{};  // of place and light
-    for (const LitPlace& one : places) {
-        weight += one.weight;
-        for (size_t k = 0; k < 3; ++k) mean[k] += one.weight * (k < 2 ? one.place[k] : one.light);
-    }
-    for (double& v : mean) v /= weight;
-    double xx = kLevelling, xy = 0, yy = kLevelling, xv = 0, yv = 0;
-    for (const LitPlace& one : places) {
-        const double part = one.weight / weight, x = one.place[0] - mean[0], y = one.place[1] - mean[1];
-        xx += part * x * x;
-        xy += part * x * y;
-        yy += part * y * y;
-        xv += part * x * (one.light - mean[2]);
-        yv += part * y * (one.light - mean[2]);
-    }
-    const double determinant = xx * yy - xy * xy;
-    const double along_x = (xv * yy - yv * xy) / determinant, along_y = (yv * xx - xv * xy) / determinant;
-    return mean[2] - along_x * mean[0] - along_y * mean[1];
-}
-
-GridPoint Lattice::typical_place(const Made& made) const {
-    const auto normal = receiver_normal(made.receiver.surface_class, made.receiver.tilt);
-    const EvenLight even(normal);
-    std::vector<LitPlace> places = lit_places(made, even);
-    if (places.empty()) return made.receiver.point;
-    const double light = fitted_light(places), off = std::abs(even.at(scene_, made.receiver.point) - light);
-    if (off <= kOffFit) return made.receiver.point;
-    std::stable_sort(places.begin(), places.end(), [&](const LitPlace& a, const LitPlace& b) {
-        return std::abs(a.light - light) < std::abs(b.light - light);
-    });
-    for (const LitPlace& place : places) {
-        if (std::abs(place.light - light) >= off) break;
-        if (!buried(scene_, place.point, normal)) return place.point;
-    }
-    return made.receiver.point;
+std::optional<GridPoint> Lattice::standing_place_of(const Made& made) const {
+    std::vector<const ClassTriangle*> surface;
+    for (const Candidate* candidate : made.surface) surface.push_back(&triangles_[candidate->triangle]);
+    return standing_place(scene_, made.receiver, surface, options_.spacing);
 }
 
 void Lattice::decide(std::span<const Candidate> slab, std::vector<Made>& made) const {
@@ -327,8 +251,10 @@ std::vector<Receiver> Lattice::receivers_of(std::span<Candidate> column) const {
     const double least = options_.least_share * static_cast<double>(options_.spacing * options_.spacing);
     for (const Made& one : made) {
         if (!one.wanted || one.share < least) continue;
+        const auto point = standing_place_of(one);
+        if (!point) continue;
         result.push_back(one.receiver);
-        result.back().point = typical_place(one);
+        result.back().point = *point;
     }
     std::sort(result.begin(), result.end());
     return result;

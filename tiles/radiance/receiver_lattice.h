@@ -15,11 +15,10 @@
 // walls, roofs and ground have receivers of their own, creases split, and the mesh's vertices, triangles, levels and
 // steps need to know nothing of it.
 //
-// A receiver lights as far as its column's weight goes. Where an even sky's light at its point is off what is fitted to
-// the surface (a plane through the light of 6 x 6 places of the square by least squares, weighted as interpolation
-// does, without those that see nothing; 75 rays each) it stands at the place that comes nearest to that: so the dark
-// line under an eave or beside a chimney does not darken a whole wall or roof. Its plane and tilts stay those of the
-// surface nearest to the column.
+// A receiver lights as far as its column's weight goes, and stands where its surface's light is typical
+// (standing_place.h): so the dark line under an eave or beside a chimney does not darken a whole wall or roof. Its
+// plane and tilts stay those of the surface nearest to the column. One of whose surface nothing can be seen, such as a
+// wall that a neighbour's wall covers, or the ground inside a house, is left out: what lies beside it is lit by others.
 //
 // What receivers a column has is decided slab by slab, of s in depth, even slabs before odd ones: it depends on nothing
 // but the triangles within a few s of it. Two tiles that are given the same triangles around a column they share make
@@ -82,8 +81,8 @@ struct LatticeOptions {
 
 /// The receivers that the surfaces `own` want, in order. `around`: triangles of neighbouring tiles, at least all within
 /// kDecisiveSpacings. `scene` holds both, also what is further away but within reach. Triangles that are thinner than
-/// kThinnest want none. O(columns under triangles), 50 rays each point that is tried, and
-/// 2,800 rays a receiver.
+/// kThinnest want none. O(columns under triangles), 50 rays each point that is tried, and 2,800 rays a receiver; 9,300
+/// for one that is left out because nothing of it can be seen.
 std::vector<Receiver> place_receivers(std::span<const SurfaceTriangle> own, std::span<const SurfaceTriangle> around,
                                       const OccluderScene& scene, const LatticeOptions& options);
 

@@ -20,7 +20,7 @@ using codec::radiance::GridDirection;
 
 /// Of receivers: a thread's turn.
 constexpr size_t kTurn = 8;
-constexpr int64_t kRulesVersion = 3;
+constexpr int64_t kRulesVersion = 4;
 
 /// Sample directions in squares of 4 x 4 cells, whose rays go much the same way: a bundle.
 struct SampleOrder {

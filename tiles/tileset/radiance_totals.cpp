@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "codec/radiance/radiance_layer.h"
-#include "codec/radiance/visibility_wire.h"
 #include "tiles/tileset/subtree.h"
 
 namespace citystream::tiles::tileset {
@@ -29,11 +28,18 @@ Status add_tile(const archive::ArchiveReader& reader, const TileRecord& tile, bo
     if (steps[0].end > bytes.size()) return Error{path + ": step 0 lies outside the entry"};
     const auto receivers = codec::radiance::read_receiver_count(bytes.first(steps[0].end), steps[0].decoded_bytes);
     if (!receivers) return Error{path + ": " + receivers.error().text()};
+    const auto transport = codec::radiance::read_radiance_transport(bytes.first(steps[0].end));
+    if (!transport) return Error{path + ": " + transport.error().text()};
+    ++totals.transport_tiles[static_cast<size_t>(*transport)];
     RadianceTotals::Level& level = totals.levels[tile.address.level];
     ++level.tiles;
     level.receivers += *receivers;
     level.wire_bytes += steps.back().end;
     totals.leaf_receivers += is_leaf ? *receivers : 0;
+    // Tiles before have no more than they have.
+    if (totals.prefixes.size() < steps.size())
+        totals.prefixes.resize(steps.size(),
+                               totals.prefixes.empty() ? RadianceTotals::Prefix{} : totals.prefixes.back());
     for (size_t i = 0; i < totals.prefixes.size(); ++i) {
         const StepRecord& last = steps[std::min(i, steps.size() - 1)];
         totals.prefixes[i].wire_bytes += last.end;
@@ -57,7 +63,6 @@ Result<RadianceTotals> radiance_totals(const archive::ArchiveReader& reader, con
     RadianceTotals totals;
     if (!manifest.has_layer[static_cast<size_t>(Layer::kRadiance)]) return totals;
     totals.levels.resize(manifest.levels);
-    totals.prefixes.resize(codec::radiance::kVisibilitySteps);
     std::deque<TileAddress> open = {TileAddress{}};
     for (; !open.empty(); open.pop_front()) {
         const std::string path = subtree_path(open.front());

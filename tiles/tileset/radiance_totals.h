@@ -1,9 +1,11 @@
 // What the radiance layers of a finished archive come to: receivers, and bytes by step and by level of the quadtree.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "codec/radiance/radiance_transport.h"
 #include "tiles/archive/archive.h"
 #include "tiles/tileset/directory.h"
 
@@ -22,9 +24,11 @@ struct RadianceTotals {
     };
 
     uint64_t tiles = 0, receivers = 0, wire_bytes = 0;
+    /// Tiles by how their layer travels.
+    std::array<uint64_t, codec::radiance::kRadianceTransportNames.size()> transport_tiles{};
     uint64_t leaf_receivers = 0;   ///< of tiles without tiles below them
     std::vector<Level> levels;     ///< by level, all of the tree's
-    std::vector<Prefix> prefixes;  ///< prefix i is i + 1 steps
+    std::vector<Prefix> prefixes;  ///< prefix i is i + 1 steps; as many as the layer with the most steps has
 
     /// Wire bytes; 0 without receivers.
     double bytes_a_receiver() const {

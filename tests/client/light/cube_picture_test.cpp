@@ -79,6 +79,39 @@ TEST(CubePicture, CrossesAndStripsShowTheLightOfEachDirection) {
     }
 }
 
+/// As OpenEXR's technical introduction has it: right-handed, y up, seen along +z, so that +x is at the left.
+constexpr FaceAxes kOpenExrFaces[6] = {{{1, 0, 0}, {0, 0, 1}, {0, -1, 0}},  {{-1, 0, 0}, {0, 0, -1}, {0, -1, 0}},
+                                       {{0, 1, 0}, {1, 0, 0}, {0, 0, -1}},  {{0, -1, 0}, {1, 0, 0}, {0, 0, 1}},
+                                       {{0, 0, 1}, {-1, 0, 0}, {0, -1, 0}}, {{0, 0, -1}, {1, 0, 0}, {0, -1, 0}}};
+
+TEST(CubePicture, OpenExrsOwnCubesHaveItsAxes) {
+    const LightFolder folder;
+    constexpr uint32_t kSide = 32;
+    std::vector<float> values;
+    for (uint32_t row = 0; row < 6 * kSide; ++row) {
+        for (uint32_t column = 0; column < kSide; ++column) {
+            const FaceAxes& face = kOpenExrFaces[row / kSide];
+            const double s = (column + 0.5) / kSide * 2 - 1, t = (row % kSide + 0.5) / kSide * 2 - 1;
+            Direction d{};
+            for (size_t i = 0; i < 3; ++i) d[i] = face.major[i] + s * face.right[i] + t * face.down[i];
+            const double length = std::sqrt(dot(d, d));
+            const Rgb light = light_from({-d[0] / length, d[2] / length, d[1] / length});
+            values.insert(values.end(), light.begin(), light.end());
+        }
+    }
+    OIIO::ImageSpec spec(kSide, 6 * kSide, 3, OIIO::TypeDesc::FLOAT);
+    spec.attribute("textureformat", "CubeFace Environment");
+    const auto read = read_environment(folder.write("cube.exr", spec, values));
+    ASSERT_TRUE(read) << read.error().text();
+    for (const double azimuth : steps(3, 360, 17)) {
+        for (const double height : steps(-88, 90, 11)) {
+            const Direction from = direction_at(azimuth, height);
+            const Rgb there = read->map.radiance(from), expected = light_from(from);
+            for (size_t c = 0; c < 3; ++c) EXPECT_NEAR(there[c], expected[c], 0.05) << azimuth << " " << height;
+        }
+    }
+}
+
 TEST(CubePicture, ConversionKeepsTheEnergyAlsoOfALamp) {
     const LightFolder folder;
     constexpr uint32_t kSide = 16;

@@ -123,6 +123,18 @@ TEST(EnvironmentFile, FilesThatAreTooLargeAreRefusedBeforeTheyAreRead) {
     EXPECT_NE(fault_of(folder.write_bytes("faces.hdr", faces)).find("faces of 3000"), std::string::npos);
 }
 
+TEST(EnvironmentFile, PicturesThatLieOtherwiseAreRefused) {
+    const LightFolder folder;
+    const auto file_with = [&](const char* axes) {
+        const std::string texels(size_t{8} * 4 * 4, '\x80');
+        return folder.write_bytes("turned.hdr",
+                                  "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + std::string(axes) + "\n" + texels);
+    };
+    EXPECT_TRUE(read_environment(file_with("-Y 4 +X 8")));
+    for (const char* axes : {"+Y 4 +X 8", "-Y 4 -X 8"})
+        EXPECT_NE(fault_of(file_with(axes)).find("turned or mirrored"), std::string::npos) << axes;
+}
+
 TEST(EnvironmentFile, WideMapsAreReducedWhileTheyAreRead) {
     const LightFolder folder;
     const EnvironmentMap map = made_map(4200, 2100, [](const Direction& d) {

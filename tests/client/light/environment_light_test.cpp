@@ -112,6 +112,19 @@ TEST(EnvironmentLight, ThePictureOfASkyFadesIntoTheAnalyticOne) {
     expect_near(energy_of(middle), {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2, (a[2] + b[2]) / 2}, 0.01);
 }
 
+TEST(EnvironmentLight, APlainFadesWithTheSkyThatHasNothingBelowItsHorizon) {
+    const TwoFiles files;
+    EnvironmentMap dome = files.a;
+    std::fill(dome.texels.begin() + static_cast<ptrdiff_t>(dome.texels.size() / 2), dome.texels.end(), Rgb{});
+    const std::string name = files.folder.write("dome.exr", dome.width, dome.height, dome.texels);
+    const auto light = EnvironmentLight::load(
+        path_of("0," + files.name_a + ",0,\n10,sky,0,12\n20," + name + ",0,\n30," + files.name_b + ",0,\n"), {});
+    ASSERT_TRUE(light) << light.error().text();
+    for (const auto& [t, plain] :
+         {std::pair{0.0, 0.0}, {2.5, 0.25}, {10.0, 1.0}, {15.0, 1.0}, {24.0, 0.6}, {30.0, 0.0}})
+        EXPECT_NEAR(light->at(t).plain, plain, 1e-12) << t;
+}
+
 TEST(EnvironmentLight, SunsMayStayInTheMaps) {
     const TwoFiles files;
     LightSettings settings;

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-LightMoment moment_of(EnvironmentMap map, double yaw = 0, std::optional<Sun> sun = {}) {
-    return {std::move(map), yaw, sun};
+LightMoment moment_of(EnvironmentMap map, double yaw = 0, std::optional<Sun> sun = {}, double plain = 0) {
+    return {std::move(map), yaw, sun, plain};
 }
 
 /// Radiance times solid angle of all texels, as the light passes add them up.
@@ -80,7 +80,7 @@ TEST(FrameLightMaker, BelowASkyOnlyStandsAPlainThatLightsNothing) {
     const ClearSky sky(sun_direction(48, 172, 12), 3);
     const EnvironmentMap map = sky_map(sky, 64);
     FrameLightMaker maker(16, {});
-    const FrameLight& light = maker.light(moment_of(map, 0, sky.sun()));
+    const FrameLight& light = maker.light(moment_of(map, 0, sky.sun(), 1));
     const uint64_t number = light.number;
     expect_near(whole_energy(light), map_energy(map), 1e-3);
     const std::vector<Rgb> source = source_radiance(map, 16);
@@ -90,8 +90,10 @@ TEST(FrameLightMaker, BelowASkyOnlyStandsAPlainThatLightsNothing) {
         EXPECT_NEAR(light.background.texels.back()[c], 0.2 * level[c] / std::numbers::pi, 1e-4 * level[c]);
         EXPECT_EQ(light.background.texels.front()[c], map.texels.front()[c]);
     }
-    EXPECT_EQ(maker.light(moment_of(map, 0, sky.sun())).number, number);
-    EXPECT_EQ(maker.light(moment_of(map)).number, number + 1) << "the plain without the sun";
+    EXPECT_EQ(maker.light(moment_of(map, 0, sky.sun(), 1)).number, number);
+    EXPECT_EQ(maker.light(moment_of(map, 0, {}, 1)).number, number + 1) << "the plain without the sun";
+    EXPECT_EQ(maker.light(moment_of(map)).number, number + 2) << "no plain";
+    EXPECT_EQ(light.background.texels.back(), Rgb{});
 }
 
 /// Whatever was lit before.

@@ -91,6 +91,23 @@ TEST(SunSplit, OfSeveralLampsItTakesTheBrightest) {
     EXPECT_GT(luminance(map.radiance(direction_at(0, 20))), 150);
 }
 
+TEST(SunSplit, WhatShinesFromBelowTheHorizonStaysInTheMap) {
+    EnvironmentMap lamp = uniform_map(512, 256, {0.01F, 0.01F, 0.01F});
+    add_disc(lamp, direction_at(30, -20), 0.02, {1000, 1000, 1000});
+    add_disc(lamp, direction_at(-80, -0.5), 0.02, {500, 500, 500});
+    const EnvironmentMap before = lamp;
+    EXPECT_FALSE(take_sun(lamp));
+    EXPECT_EQ(lamp.texels, before.texels);
+    // The sun over water is taken, though its mirror image be the brighter one.
+    EnvironmentMap sea = uniform_map(512, 256, {0.01F, 0.01F, 0.01F});
+    add_disc(sea, direction_at(30, -20), 0.02, {1000, 1000, 1000});
+    add_disc(sea, direction_at(30, 20), 0.02, {300, 300, 300});
+    const std::optional<Sun> sun = take_sun(sea);
+    ASSERT_TRUE(sun);
+    EXPECT_LT(angle_between(sun->direction, direction_at(30, 20)), 0.1 * kDegree);
+    EXPECT_GT(luminance(sea.radiance(direction_at(30, -20))), 900);
+}
+
 TEST(SunSplit, TakesADeltaLightAMillionTimesTheSkyWhole) {
     EnvironmentMap map = uniform_map(512, 256, {1, 1, 1});
     map.texels[size_t{60} * 512 + 511] = {1e6F, 1e6F, 1e6F};

@@ -1,16 +1,14 @@
 #include "client/reference/reference_renderer.h"
 
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 
 #include <nlohmann/json.hpp>
 
 #include "client/render/lighting_layout.h"
+#include "tests/temporary_folder.h"
 
 namespace citystream::client {
 namespace {
@@ -18,23 +16,10 @@ namespace {
 /// A file that vanishes with its folder.
 class GlbFile {
   public:
-    GlbFile() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "citystream-glb-XXXXXX").string();
-        if (mkdtemp(pattern.data())) folder_ = pattern;
-    }
-    ~GlbFile() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
-    GlbFile(const GlbFile&) = delete;
-    GlbFile& operator=(const GlbFile&) = delete;
-    std::string write(const std::string& bytes) const {
-        std::ofstream(folder_ / "city.glb", std::ios::binary) << bytes;
-        return (folder_ / "city.glb").string();
-    }
+    std::string write(const std::string& bytes) const { return folder_.write_bytes("city.glb", bytes); }
 
   private:
-    std::filesystem::path folder_;
+    tests::TemporaryFolder folder_;
 };
 
 std::string word(uint32_t value) {

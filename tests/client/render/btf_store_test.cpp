@@ -32,9 +32,10 @@ class BtfStoreTest : public GpuTwin {
         GpuTwin::TearDown();
     }
 
-    void begin(uint64_t budget_bytes, const BtfOptions& options) {
-        masks_.emplace(device_, pool_);
-        store_.emplace(device_, pool_, *masks_, budget_bytes, options);
+    void begin(uint64_t budget_bytes, const BtfOptions& options, const ReliefMaking& making = {}) {
+        store_.reset();
+        masks_.emplace(device_, pool_, ReliefMaking{making.on_host, 0});
+        store_.emplace(device_, pool_, *masks_, budget_bytes, options, making);
     }
 
     /// Raw maps are cast by the pass that compiles in the least time.
@@ -159,6 +160,7 @@ TEST_F(BtfStoreTest, AreLookedUpAsOnTheCpu) {
         ASSERT_NEAR(std::bit_cast<float>(to[80]), btf->coverage(place), 2e-4) << i;
         ASSERT_NEAR(std::bit_cast<float>(to[81]), btf->sun_cosine(place, {number(5), number(6), number(7)}), 1e-3) << i;
         ASSERT_EQ(to[82], btf->slots());
+        ASSERT_NEAR(std::bit_cast<float>(to[83]), btf->openness(place), 5e-4) << i;
     }
 }
 
@@ -184,6 +186,37 @@ TEST_F(BtfStoreTest, SeveralLieBesideEachOther) {
     make(maps);
     EXPECT_EQ(store_->counts().made, 0U);
     EXPECT_EQ(store_->reference(maps[0].map), first);
+}
+
+// The host's rays give the CPU's words; a frame's rays are bounded, and a BTF is there once it is done.
+TEST_F(BtfStoreTest, AreMadeInPiecesOfAFramesRays) {
+    const BtfOptions options{8, 4};
+    constexpr uint64_t kViewRays = 8 * 8 * BTF_RAYS;
+    const RunGrid grid = shaders_test::random_facade(2, 70, 80, 5, true);
+    const std::vector<uint32_t> wanted = on_cpu(grid, options);
+    for (const bool on_host : {false, true}) {
+        begin(4 << 20, options, {on_host, 5 * kViewRays});
+        if (on_host && !device_.is_cpu) continue;
+        const ReliefMap map = upload(grid);
+        for (uint32_t frame = 0; frame < 4; ++frame) {
+            EXPECT_EQ(store_->reference(map.map), 0U);
+            EXPECT_TRUE(store_->is_missing(map.map));
+            make(std::span(&map, 1));
+            EXPECT_EQ(store_->counts().rays, (frame < 3 ? 5 : 1) * kViewRays);
+        }
+        ASSERT_NE(store_->reference(map.map), 0U);
+        EXPECT_FALSE(store_->is_missing(map.map));
+        EXPECT_EQ(store_->has_pipeline(), !on_host);
+        const std::vector<uint32_t> got = words_of(map, wanted.size());
+        if (on_host) {
+            EXPECT_EQ(got, wanted);
+        }
+        ByteTally tally;
+        tally.add(got, wanted);
+        EXPECT_LE(static_cast<double>(tally.wrong), 0.02 * static_cast<double>(tally.bytes));
+        make(std::span(&map, 1));
+        EXPECT_EQ(store_->counts().rays, 0U);
+    }
 }
 
 TEST_F(BtfStoreTest, TheBudgetHoldsAndUnusedOnesGiveTheirRoom) {

@@ -219,6 +219,20 @@ TEST(FrameLight, TheSunsDiscIsWhiteAndAsLargeAsItsRadius) {
     EXPECT_EQ(pixel(image, 160, 120), (std::array<int, 3>{255, 255, 255}));
 }
 
+TEST(FrameLight, OfADiscAtTheHorizonTheHalfAboveItIsSeen) {
+    VulkanRenderer* const renderer = shared_renderer->get();
+    ASSERT_NE(renderer, nullptr);
+    FrameLight light = uniform_light({0.2F, 0.3F, 0.5F});
+    light.sun = Sun{{0, 1, 0}, {3, 2.8, 2.5}, 0.05};
+    ASSERT_TRUE(renderer->set_light(&light).ok());
+    const FrameImage image = draw_or_fail(*renderer, make_camera({0, 0, 0}, 0, 0), {});
+    for (int x = 150; x <= 170; ++x) {
+        const int inside = static_cast<int>(std::sqrt(10.0 * 10 - (x - 160) * (x - 160)) / 2);
+        for (int y = 1; y < inside; ++y) EXPECT_GT(pixel(image, x, 119 - y)[2], 245) << x << " " << y;
+        for (int y = 1; y < 20; ++y) EXPECT_LT(pixel(image, x, 119 + y)[2], 245) << x << " " << y;
+    }
+}
+
 TEST(FrameLight, FramesOfSeveralSamplesAPixelShowTheSame) {
     RendererOptions options = small_options();
     options.supersample = 2;

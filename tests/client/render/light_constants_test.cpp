@@ -49,5 +49,17 @@ TEST(LightConstants, TheDiscGivesTheSunsLight) {
     EXPECT_NEAR(static_cast<double>(constants.sun[1]), 1 / std::acos(-1.0), 1e-6);
 }
 
+TEST(LightConstants, ASunBelowTheHorizonIsSeenAndLightsNothing) {
+    FrameLight light = light_with({});
+    for (const Direction& towards : {Direction{0.8, 0, -0.6}, Direction{1, 0, 0}}) {
+        light.sun = Sun{towards, {2, 1, 0.5}, 0.1};
+        const LightConstants constants = light_constants(light, {1, 1, 1}, 1);
+        for (size_t c = 0; c < 3; ++c) {
+            EXPECT_EQ(constants.sun[c], 0);
+            EXPECT_GT(constants.disc[c], 0);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace citystream::client

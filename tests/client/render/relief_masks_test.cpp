@@ -59,9 +59,12 @@ struct BitTally {
     void add(const ReliefMaskView& got, const ReliefMaskView& wanted) {
         for (uint32_t y = 0; y < wanted.shape().up(); ++y) {
             for (uint32_t x = 0; x < wanted.shape().across(); ++x) {
-                ASSERT_EQ(got.label(x, y), wanted.label(x, y)) << x << ", " << y;
-                wrong += static_cast<uint64_t>(std::popcount(got.bits(x, y) ^ wanted.bits(x, y)));
-                bits += RELIEF_DIRECTIONS;
+                ASSERT_EQ(got.surfaces(x, y), wanted.surfaces(x, y));
+                for (uint32_t i = 0; i < wanted.surfaces(x, y); ++i) {
+                    ASSERT_EQ(got.label(x, y, i), wanted.label(x, y, i)) << x << ", " << y;
+                    wrong += static_cast<uint64_t>(std::popcount(got.bits(x, y, i) ^ wanted.bits(x, y, i)));
+                    bits += RELIEF_DIRECTIONS;
+                }
                 ++texels;
             }
         }
@@ -100,6 +103,50 @@ TEST_F(ReliefMasksTest, HaveTheBitsOfRaysOnTheCpu) {
     EXPECT_LE(static_cast<double>(tally.wrong), 0.005 * static_cast<double>(tally.bits));
     std::printf("{\"texels\":%llu,\"bits\":%llu,\"wrong\":%llu}\n", static_cast<unsigned long long>(tally.texels),
                 static_cast<unsigned long long>(tally.bits), static_cast<unsigned long long>(tally.wrong));
+}
+
+// The host's rays give the CPU's words; a frame's rays are bounded, and a mask is there once it is done.
+TEST_F(ReliefMasksTest, AreMadeInPiecesOfAFramesRays) {
+    const std::array<RunGrid, 2> grids = {shaders_test::random_facade(1, 60, 50, 8),
+                                          shaders_test::random_facade(2, 40, 70, 8)};
+    constexpr uint64_t kMostRays = 64000;
+    for (const bool on_host : {false, true}) {
+        masks_.reset();
+        masks_.emplace(device_, pool_, ReliefMaking{on_host, kMostRays});
+        std::vector<ReliefMap> maps;
+        for (const RunGrid& grid : grids) maps.push_back(upload(grid, FacadeForm::kRaw, FacadeRenderer::kFdm, false));
+        uint32_t frames = 0;
+        while (masks_->mask_of(maps[1].map) == kNoLayer && frames < 20) {
+            make(maps);
+            ++frames;
+            EXPECT_GT(masks_->counts().rays, 0U);
+            EXPECT_LE(masks_->counts().rays, kMostRays);
+            // The first comes first.
+            if (frames == 1) {
+                EXPECT_EQ(masks_->mask_of(maps[0].map), kNoLayer);
+            }
+            if (masks_->mask_of(maps[1].map) != kNoLayer) {
+                EXPECT_NE(masks_->mask_of(maps[0].map), kNoLayer);
+            }
+        }
+        EXPECT_GT(frames, 3U);
+        EXPECT_EQ(masks_->has_pipeline(), !on_host);
+        for (size_t i = 0; i < maps.size(); ++i) {
+            const std::vector<uint32_t> got = words_of(maps[i]), wanted = codec::radiance::make_relief_mask(grids[i]);
+            ASSERT_EQ(got.size(), wanted.size());
+            if (on_host) {
+                EXPECT_EQ(got, wanted);
+            }
+            BitTally tally;
+            tally.add(*ReliefMaskView::create(got), *ReliefMaskView::create(wanted));
+            EXPECT_LE(static_cast<double>(tally.wrong), 0.005 * static_cast<double>(tally.bits));
+            masks_->forget(maps[i].map);
+        }
+        make(maps);
+        EXPECT_LE(masks_->counts().rays, kMostRays);
+        for (const ReliefMap& map : maps) masks_->forget(map.map);
+        EXPECT_EQ(masks_->slots_used(), 0U);
+    }
 }
 
 TEST_F(ReliefMasksTest, AreMadeOnceAndGoWithTheirMaps) {

@@ -135,7 +135,7 @@ TEST(ShadowMaps, TilesOutOfViewCastShadowsIntoItForTheFrameTheyAreGivenFor) {
     EXPECT_EQ(renderer->validation_messages(), 0U);
 }
 
-TEST(ShadowMaps, ASunBelowTheHorizonMakesNoMaps) {
+TEST(ShadowMaps, ASunBelowTheHorizonMakesNoMapsAndLightsNothing) {
     const auto renderer = make_renderer();
     ASSERT_NE(renderer, nullptr);
     const TileDraw draw = upload_lit(*renderer, square());
@@ -143,8 +143,12 @@ TEST(ShadowMaps, ASunBelowTheHorizonMakesNoMaps) {
     light.sun->direction = {0.8, 0, -0.6};
     ASSERT_TRUE(renderer->set_light(&light).ok());
     const Camera camera = make_camera({-22, -26, 22}, 40, -28);
-    draw_or_fail(*renderer, camera, std::span(&draw, 1));
+    const FrameImage below = draw_or_fail(*renderer, camera, std::span(&draw, 1));
     const uint64_t without = renderer->frame_buffer_bytes();
+    FrameLight none = light;
+    none.sun.reset();
+    ASSERT_TRUE(renderer->set_light(&none).ok());
+    EXPECT_EQ(below.rgba, draw_or_fail(*renderer, camera, std::span(&draw, 1)).rgba) << "nor does it light walls";
     light.sun->direction = kToSun;
     ASSERT_TRUE(renderer->set_light(&light).ok());
     draw_or_fail(*renderer, camera, std::span(&draw, 1));

@@ -45,8 +45,8 @@ TEST(Variants, TheFormOfMeshesIsBuilt) {
         EXPECT_FALSE(is_built(knob)) << knob;
 }
 
-TEST(Variants, OfLightWhereItIsGatheredAndFromWhereIsBuilt) {
-    for (const char* knob : {"lattice", "directions", "local-directions"}) {
+TEST(Variants, OfLightWhereItIsGatheredFromWhereAndHowItTravelsIsBuilt) {
+    for (const char* knob : {"lattice", "directions", "local-directions", "radiance-transport"}) {
         EXPECT_TRUE(is_built(knob)) << knob;
         EXPECT_TRUE(is_of_light(knob)) << knob;
     }

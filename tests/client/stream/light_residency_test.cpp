@@ -369,39 +369,141 @@ TEST(LightResidency, TheDirectoryCannotPromiseLessThanTheWordsTake) {
     EXPECT_EQ(flight.frame.warnings.size(), 1U);
 }
 
+/// light_words of the lit city, each made once.
+const std::vector<uint32_t>& lit_words(TileAddress address, size_t steps, MatrixForm form) {
+    static std::map<std::tuple<TileAddress, size_t, MatrixForm>, std::vector<uint32_t>> made;
+    const auto [at, is_new] = made.try_emplace({address, steps, form});
+    if (is_new) at->second = light_words(lit_city(), address, steps, form);
+    return at->second;
+}
+
+/// Updates a realtime flight until `done` says so of its draws; false: it never did.
+template <typename Done>
+bool update_until(Flight& flight, const Camera& camera, const Done& done) {
+    for (int i = 0; i < 3000; ++i) {
+        if (done(flight.update(camera))) return true;
+        EXPECT_EQ(flight.store.refused_appends(), 0U);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return false;
+}
+
+bool has_all_own_light(const Flight& flight, const std::vector<TileDraw>& draws) {
+    return !draws.empty() && flight.frame.light_tiles == draws.size() && flight.frame.tiles_missing == 0;
+}
+
+/// All of a tile's light in the form asked for.
+bool shows_all(const Flight& flight, const TileDraw& draw) {
+    return draw.radiance != kNoLayer && std::ranges::equal(flight.store.words_of(draw.radiance),
+                                                           lit_words(draw.address, 3, MatrixForm::kBiclusters));
+}
+
 TEST(LightResidency, RealtimeFramesDoNotWaitForItAndShowItWhenItIsThere) {
     Flight flight(lit_city(), lit(kFinest, realtime()));
     uint64_t frames_without = 0;
-    for (int i = 0; i < 400; ++i) {
-        const auto& draws = flight.update(street(lit_city()));
-        ASSERT_EQ(flight.store.refused_appends(), 0U);
-        const bool all = !draws.empty() && flight.frame.light_tiles == draws.size() && flight.frame.tiles_missing == 0;
+    EXPECT_TRUE(update_until(flight, street(lit_city()), [&](const std::vector<TileDraw>& draws) {
         if (!draws.empty() && flight.frame.light_tiles < draws.size()) ++frames_without;
-        if (all && flight.frame.requests == 0) break;
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
+        return has_all_own_light(flight, draws) &&
+               std::ranges::all_of(draws, [&](const TileDraw& draw) { return shows_all(flight, draw); });
+    }));
     EXPECT_GT(frames_without, 0U);
-    for (const TileDraw& draw : flight.update(street(lit_city()))) {
-        EXPECT_EQ(steps_shown(flight, draw), lit_city().tile(draw.address).steps(Layer::kRadiance).size());
+    for (int i = 0; i < 5; ++i) {
+        flight.update(street(lit_city()));
+        EXPECT_EQ(flight.frame.requests + flight.frame.light_decodes, 0U);
     }
 }
 
 TEST(LightResidency, InRealtimeItWaitsUntilTheViewHasAPicture) {
     Flight flight(lit_city(), lit(kFinest, realtime()));
     flight.fetcher.per_poll = 1;
-    size_t gaps = 0, asked = 0;
-    for (int i = 0; i < 300; ++i) {
-        const size_t before = flight.fetcher.log.size();
-        flight.update(street(lit_city()));
-        const auto light = std::ranges::count_if(std::span(flight.fetcher.log).subspan(before), is_of_light);
+    size_t gaps = 0;
+    const auto all = [&](const std::vector<TileDraw>& draws) { return has_all_own_light(flight, draws); };
+    EXPECT_TRUE(update_until(flight, street(lit_city()), [&](const std::vector<TileDraw>& draws) {
+        const auto asked = std::ranges::count_if(flight.fetcher.log, is_of_light);
         if (flight.frame.tiles_missing > 0) {
-            EXPECT_EQ(light, 0) << "update " << i;
+            EXPECT_EQ(asked, 0);
             ++gaps;
         }
-        asked += static_cast<size_t>(light);
-    }
+        return all(draws);
+    }));
     EXPECT_GT(gaps, 5U) << "all came at once: the test is too easy";
-    EXPECT_EQ(asked, flight.frame.tiles_wanted);
+}
+
+TEST(LightResidency, InRealtimeATilesFirstStepComesAloneAndTheRestWhenThatIsInTheStore) {
+    Flight flight(lit_city(), lit(kFinest, realtime()));
+    std::map<std::string, std::vector<FetchRequest>> asked;
+    std::set<std::string> opened;  // drawn with light of their own
+    size_t seen = 0;
+    EXPECT_TRUE(update_until(flight, street(lit_city()), [&](const std::vector<TileDraw>& draws) {
+        for (const TileDraw& draw : draws) {
+            if (draw.radiance == kNoLayer) continue;
+            const auto& opening = lit_words(draw.address, 1, MatrixForm::kRows);
+            if (std::ranges::equal(flight.store.words_of(draw.radiance), opening))
+                opened.insert(layer_path(Layer::kRadiance, draw.address));
+        }
+        for (; seen < flight.fetcher.log.size(); ++seen) {
+            const FetchRequest& request = flight.fetcher.log[seen];
+            if (!is_of_light(request)) continue;
+            asked[request.path].push_back(request);
+            EXPECT_EQ(asked[request.path].size() == 1, !opened.contains(request.path)) << request.path;
+        }
+        return has_all_own_light(flight, draws) &&
+               std::ranges::all_of(draws, [&](const TileDraw& draw) { return shows_all(flight, draw); });
+    }));
+    for (const TileDraw& draw : flight.update(street(lit_city()))) {
+        const auto& steps = lit_city().tile(draw.address).steps(Layer::kRadiance);
+        const auto& requests = asked.at(layer_path(Layer::kRadiance, draw.address));
+        ASSERT_EQ(requests.size(), 2U);
+        EXPECT_EQ(requests[0].offset, 0U);
+        EXPECT_EQ(requests[0].length, steps[0].end);
+        EXPECT_EQ(requests[1].offset, steps[0].end);
+        EXPECT_EQ(requests[1].length, steps[2].end - steps[0].end);
+    }
+}
+
+/// Few requests under way leave connections idle for the next view's tiles.
+TEST(LightResidency, InRealtimeFewRequestsForItAreUnderWayAtATime) {
+    Flight flight(lit_city(), lit(kFinest, realtime()));
+    const auto lights = [&] { return std::ranges::count_if(flight.fetcher.log, is_of_light); };
+    ASSERT_TRUE(update_until(flight, street(lit_city()), [&](const auto&) { return lights() > 0; }));
+    flight.fetcher.per_poll = 0;
+    for (int i = 0; i < 20; ++i) flight.update(street(lit_city()));
+    EXPECT_GE(flight.frame.tiles_drawn, 6U);
+    EXPECT_LE(lights(), 3);
+}
+
+TEST(LightResidency, InRealtimeTheRootsFirstStepIsAskedForBeforeAllOtherLight) {
+    Flight flight(lit_city(), lit(kFinest, realtime()));
+    flight.fetcher.per_poll = 1;
+    ASSERT_TRUE(update_until(flight, street(lit_city()),
+                             [&](const std::vector<TileDraw>& draws) { return has_all_own_light(flight, draws); }));
+    const auto first = std::ranges::find_if(flight.fetcher.log, is_of_light);
+    EXPECT_EQ(first->path, "tiles/0/0/0.radiance");
+    EXPECT_EQ(first->length, lit_city().tile({0, 0, 0}).steps(Layer::kRadiance)[0].end);
+    for (const FetchRequest& request : flight.fetcher.log)
+        EXPECT_TRUE(request.path != first->path || request.offset == 0) << "more of the root's light than one step";
+}
+
+TEST(LightResidency, InRealtimeATileWithoutItsOwnIsDrawnWithTheRoots) {
+    Flight flight(lit_city(), lit(kFinest, realtime()));
+    const TileAddress address = {3, 0, 0};
+    flight.fetcher.missing_times[layer_path(Layer::kRadiance, address)] = 1000;
+    ASSERT_TRUE(update_until(flight, street(lit_city()), [&](const std::vector<TileDraw>& draws) {
+        const TileDraw* draw = test::draw_of(lit_city(), draws, address);
+        return draw != nullptr && draw->radiance != kNoLayer && flight.frame.light_tiles + 1 == draws.size();
+    }));
+    EXPECT_EQ(flight.frame.light_inherited_tiles, 1U);
+    const TileDraw* draw = test::draw_of(lit_city(), flight.update(street(lit_city())), address);
+    ASSERT_NE(draw, nullptr);
+    const auto& manifest = lit_city().manifest;
+    const GridPoint own = manifest.tile_origin(lit_city().tile(address));
+    const GridPoint origin = manifest.tile_origin(lit_city().tile({0, 0, 0}));
+    EXPECT_EQ(int64_t{draw->radiance_offset[0]}, own.x - origin.x);
+    EXPECT_EQ(int64_t{draw->radiance_offset[1]}, own.y - origin.y);
+    EXPECT_EQ(int64_t{draw->radiance_offset[2]}, own.z - origin.z);
+    const auto words = flight.store.words_of(draw->radiance);
+    EXPECT_TRUE(std::ranges::equal(words, lit_words({0, 0, 0}, 1, MatrixForm::kBiclusters)) ||
+                std::ranges::equal(words, lit_words({0, 0, 0}, 1, MatrixForm::kRows)));
 }
 
 TEST(LightResidency, ARealtimeStreamerThatGoesAwayWaitsForItsThreads) {

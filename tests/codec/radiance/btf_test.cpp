@@ -215,7 +215,7 @@ TEST(Btf, OfAWindowIsWhatRaysSay) {
     ASSERT_TRUE(btf.ok());
     std::mt19937 random(4);
     double squares = 0, difference = 0, mean = 0, plain_squares = 0;
-    constexpr int kPlaces = 1500;
+    constexpr int kPlaces = 6000;
     for (int i = 0; i < kPlaces; ++i) {
         // Inside: beyond the edges rays and the BTF see different things by definition.
         const auto below = [&](uint32_t count) { return static_cast<uint32_t>(random() % count); };

@@ -144,9 +144,9 @@ TEST(RadianceLayer, KeepsTheBytesOfItsFormatPage) {
     tile.visibility = cast_rays({{{0, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 0, 1}}}, 4, 0,
                                 [](const Receiver& r, const Point& d) { return d[0] < (r.position[0] + 1) * d[2]; });
     const auto steps = encoded(tile, 1);
-    EXPECT_EQ(hexadecimal(steps[0].wire), "efcdab89674523010c0103000000ab645504ffffca79df35c9");
-    EXPECT_EQ(hexadecimal(steps[1].wire), "7710f1280d19");
-    EXPECT_EQ(hexadecimal(steps[2].wire), "c819c2f4");
+    EXPECT_EQ(hexadecimal(steps[0].wire), "efcdab89674523010c0103000000ab645583ffffca0875fe56");
+    EXPECT_EQ(hexadecimal(steps[1].wire), "77078dacd26a");
+    EXPECT_EQ(hexadecimal(steps[2].wire), "cad35913");
     EXPECT_EQ(steps[0].decoded_bytes, 344u);
     EXPECT_EQ(steps[1].decoded_bytes, 0u);
     EXPECT_EQ(steps[2].decoded_bytes, 0u);

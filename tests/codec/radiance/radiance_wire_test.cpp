@@ -108,6 +108,19 @@ TEST(VisibilityWire, WritesTheSameBytesWhateverIsBelowThePlanes) {
     for (uint32_t i = 0; i < kVisibilitySteps; ++i) EXPECT_EQ(steps[i].bytes, again[i].bytes);
 }
 
+TEST(VisibilityWire, SaysThatBytesAreOfAnotherVersion) {
+    const VisibilityTile tile = open_ground(2);
+    auto steps = encode_visibility(tile);
+    for (const uint32_t version : {0u, 1u, 3u}) {
+        for (const uint32_t side : {1u, 8u, 64u}) {
+            steps[0].bytes[0] = static_cast<std::byte>(version << 6 | (side - 1));
+            const auto read = decode_visibility(frames_of(tile), first_steps(steps, kVisibilitySteps), kLimits);
+            ASSERT_FALSE(read.ok());
+            EXPECT_NE(read.error().text().find("another version"), std::string::npos) << read.error().text();
+        }
+    }
+}
+
 /// Each codec as a function of bytes that says whether they are good.
 struct Wire {
     std::string name;
@@ -199,9 +212,9 @@ TEST(RadianceWires, KeepTheBytesOfTheirFormatPage) {
         cast_rays({{{0, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 0, 1}}}, 4, 0,
                   [](const Receiver& r, const Point& d) { return d[0] < (r.position[0] + 1) * d[2]; });
     const auto steps = encode_visibility(tile);
-    EXPECT_EQ(hexadecimal(steps[0].bytes), "04ffffca79df35c9");
-    EXPECT_EQ(hexadecimal(steps[1].bytes), "7710f1280d19");
-    EXPECT_EQ(hexadecimal(steps[2].bytes), "c819c2f4");
+    EXPECT_EQ(hexadecimal(steps[0].bytes), "83ffffca0875fe56");
+    EXPECT_EQ(hexadecimal(steps[1].bytes), "77078dacd26a");
+    EXPECT_EQ(hexadecimal(steps[2].bytes), "cad35913");
     EXPECT_NEAR(steps[0].error, 0.1667, 5e-5);
     EXPECT_NEAR(steps[1].error, 0.0512, 5e-5);
     const Transfer t = make_transfer(tile, LocalDirections(1));

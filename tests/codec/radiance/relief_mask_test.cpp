@@ -33,6 +33,12 @@ bool is_hidden(const facade::FacadeMatrices& matrices, const std::array<double, 
     }
 }
 
+/// Of a mask texel's surface.
+const ReliefStart& start_of(const ReliefSurfaces& surfaces, uint32_t x, uint32_t y, uint32_t surface = 0) {
+    const uint32_t texel = surfaces.texels[size_t{y} * surfaces.shape.across() + x];
+    return surfaces.starts[(texel & ((1u << RELIEF_MASK_COUNT_SHIFT) - 1)) + surface];
+}
+
 TEST(ReliefWeights, OfFrontsAreThoseOfIrradiance) {
     const std::vector<uint32_t> weights = irradiance_weights(RELIEF_DIRECTIONS_ACROSS);
     for (uint32_t j = 0; j < RELIEF_DIRECTIONS; ++j) EXPECT_EQ(relief_weights()[RELIEF_FACE_FRONT][j], weights[j]) << j;
@@ -71,8 +77,51 @@ TEST(ReliefMaskShape, HasTheSmallestSquaresThatAreFewEnough) {
                 const ReliefMaskShape finer{width, height, shape.log2_side - 1};
                 EXPECT_GT(finer.texels(), static_cast<uint32_t>(RELIEF_MASK_MOST_TEXELS));
             }
-            EXPECT_LT(shape.middle(shape.across() - 1, width), width);
-            EXPECT_EQ(shape.middle(0, width), std::min((1u << shape.log2_side) / 2, width - 1));
+        }
+    }
+}
+
+// A cornice and a groove, each lower than a mask texel and in the middle of none.
+TEST(ReliefSurfaces, AreThoseThatCoverTheMostOfEachMaskTexel) {
+    const RunGrid grid = relief_facade(1600, 1600, {{0, 801, 1600, 805, 250, 1}, {0, 809, 1600, 812, -90, 2}});
+    const ReliefSurfaces surfaces = relief_surfaces(grid);
+    ASSERT_EQ(surfaces.shape.log2_side, 4u);
+    EXPECT_EQ(surfaces.texels.size(), surfaces.shape.texels());
+    uint32_t next = 0;
+    for (uint32_t y = 0; y < surfaces.shape.up(); ++y) {
+        for (uint32_t x = 0; x < surfaces.shape.across(); ++x) {
+            const uint32_t texel = surfaces.texels[size_t{y} * surfaces.shape.across() + x];
+            EXPECT_EQ(texel & 0xffffff, next);
+            EXPECT_EQ(texel >> 24, y == 50 ? 3u : 1u);
+            next += texel >> 24;
+        }
+    }
+    EXPECT_EQ(next, surfaces.starts.size());
+    const std::array<std::array<int, 2>, 3> wanted = {{{0, 807}, {250, 803}, {-90, 810}}};
+    for (uint32_t i = 0; i < 3; ++i) {
+        const ReliefStart& start = start_of(surfaces, 7, 50, i);
+        EXPECT_EQ(facade::displacement_of(start.label), wanted[i][0]);
+        EXPECT_EQ(start.x, 7u * 16 + 8);
+        EXPECT_EQ(static_cast<int>(start.y), wanted[i][1]);
+    }
+    const std::vector<uint32_t> words = make_relief_mask(grid);
+    const auto mask = ReliefMaskView::create(words);
+    ASSERT_TRUE(mask.ok());
+    // The cornice stands free, the groove does not, and each is lit by its own surface.
+    EXPECT_EQ(mask->bits(50, 50, 1), kAll);
+    EXPECT_NE(mask->bits(50, 50, 2), kAll);
+    const ReliefShares cornice = mask->shares({808, 803, 250}, facade::make_label(250, 1), 2, 1);
+    const ReliefShares groove = mask->shares({808, 810, -90}, facade::make_label(-90, 2), 2, 1);
+    for (uint32_t j = 0; j < RELIEF_DIRECTIONS; ++j) {
+        EXPECT_FLOAT_EQ(cornice.free(j), 1);
+        EXPECT_FLOAT_EQ(groove.free(j), (mask->bits(50, 50, 2) >> j & 1) != 0 ? 1.0F : 0.0F);
+    }
+    // Of the cornice's lower side the wall below it, and not the groove, is what lies in front.
+    const ReliefShares side = mask->shares({808, 801, 120}, facade::make_label(250, 1), 1, -1);
+    const std::vector<uint64_t> wall = {mask->bits(50, 49), mask->bits(50, 50)};
+    for (uint32_t k = 0; k < 4; ++k) {
+        if (side.share[k] > 0) {
+            EXPECT_TRUE(std::ranges::count(wall, side.bits[k]) == 1) << k;
         }
     }
 }
@@ -100,6 +149,7 @@ TEST(ReliefMask, OfARidgeHidesWhatIsBelowItsHeight) {
     constexpr uint32_t kRidge = 200;
     constexpr int kHeight = 300;
     const RunGrid grid = relief_facade(260, 40, {{kRidge, 0, 260, 40, kHeight, 1}});
+    const ReliefSurfaces surfaces = relief_surfaces(grid);
     for (const FacadeScales& scales : {FacadeScales{100, 100}, FacadeScales{50, 200}}) {
         const std::vector<uint32_t> words = make_relief_mask(grid, scales);
         const auto mask = ReliefMaskView::create(words);
@@ -108,8 +158,8 @@ TEST(ReliefMask, OfARidgeHidesWhatIsBelowItsHeight) {
         const LocalDirections directions(RELIEF_DIRECTIONS_ACROSS);
         uint32_t hidden = 0;
         for (uint32_t x = 0; x < mask->shape().across(); ++x) {
-            const uint32_t u = mask->shape().middle(x, 260);
             const uint32_t y = mask->shape().up() / 2;
+            const uint32_t u = start_of(surfaces, x, y).x;
             const double metres = (kRidge - (u + 0.5)) / double{scales[0]};
             for (uint32_t j = 0; j < RELIEF_DIRECTIONS; ++j) {
                 const GridDirection& d = directions.direction(j);
@@ -133,22 +183,26 @@ TEST(ReliefMask, HasTheBitsOfRaysInSmallSteps) {
     for (const bool open : {false, true}) {
         const RunGrid grid = window_relief(open);
         const facade::FacadeMatrices matrices = facade::expand(grid);
+        const ReliefSurfaces surfaces = relief_surfaces(grid);
         const std::vector<uint32_t> words = make_relief_mask(grid);
         const auto mask = ReliefMaskView::create(words);
         ASSERT_TRUE(mask.ok());
         for (int i = 0; i < 100; ++i) {
             const auto x = static_cast<uint32_t>(random() % mask->shape().across());
             const auto y = static_cast<uint32_t>(random() % mask->shape().up());
-            const uint32_t u = mask->shape().middle(x, grid.width()), v = mask->shape().middle(y, grid.height());
-            const int depth = matrices.displacement_mm[size_t{v} * grid.width() + u];
-            ASSERT_EQ(facade::displacement_of(mask->label(x, y)), depth);
+            const auto surface = static_cast<uint32_t>(random() % mask->surfaces(x, y));
+            const ReliefStart& start = start_of(surfaces, x, y, surface);
+            const int depth = matrices.displacement_mm[size_t{start.y} * grid.width() + start.x];
+            ASSERT_EQ(facade::displacement_of(mask->label(x, y, surface)), depth);
+            const uint64_t got = mask->bits(x, y, surface);
             if (depth == facade::kOpenDisplacement) {
-                EXPECT_EQ(mask->bits(x, y), kAll);
+                EXPECT_EQ(got, kAll);
                 continue;
             }
             for (uint32_t j = 0; j < RELIEF_DIRECTIONS; ++j) {
-                const bool free = !is_hidden(matrices, {u + 0.5, v + 0.5, depth + 0.5}, directions.direction(j));
-                wrong += free != ((mask->bits(x, y) >> j & 1) != 0) ? 1 : 0;
+                const bool free =
+                    !is_hidden(matrices, {start.x + 0.5, start.y + 0.5, depth + 0.5}, directions.direction(j));
+                wrong += free != ((got >> j & 1) != 0) ? 1 : 0;
                 ++bits;
             }
         }
@@ -202,8 +256,14 @@ TEST(ReliefShares, DoNotCrossEdgesOfTheRelief) {
     };
     EXPECT_TRUE(is_of(mask->shares({255.9F, middle, 0}, facade::make_label(0, 0), 2, 1), mask->bits(left, y)));
     EXPECT_TRUE(is_of(mask->shares({256.1F, middle, 400}, facade::make_label(400, 1), 2, 1), kAll));
-    // The reveal looks to the left: what is in front of it counts.
-    EXPECT_TRUE(is_of(mask->shares({256, middle, 200}, facade::make_label(400, 1), 0, -1), mask->bits(left, y)));
+    // The reveal looks to the left: what is in front of it counts, less and less towards its edge.
+    for (const float height : {0.0F, 100.0F, 200.0F, 400.0F}) {
+        const ReliefShares reveal = mask->shares({256, middle, height}, facade::make_label(400, 1), 0, -1);
+        for (uint32_t j = 0; j < RELIEF_DIRECTIONS; ++j) {
+            const float below = (mask->bits(left, y) >> j & 1) != 0 ? 1.0F : 0.0F;
+            ASSERT_NEAR(reveal.free(j), below + (1 - below) * height / 400, 1e-5) << height << ' ' << j;
+        }
+    }
     // No texel is as deep as this: the one next in depth.
     EXPECT_TRUE(is_of(mask->shares({256, middle, 390}, facade::make_label(390, 1), 2, 1), kAll));
 }
@@ -217,7 +277,7 @@ TEST(ReliefMaskView, RefusesWhatIsNoMask) {
     longer.push_back(0);
     EXPECT_FALSE(ReliefMaskView::create(longer).ok());
     for (const uint32_t word : {RELIEF_MASK_WORD_MAGIC, RELIEF_MASK_WORD_MAP, RELIEF_MASK_WORD_SIDE,
-                                RELIEF_MASK_WORD_SCALES, RELIEF_MASK_WORD_SCALES + 1}) {
+                                RELIEF_MASK_WORD_SURFACES, RELIEF_MASK_WORD_SCALES, RELIEF_MASK_WORD_SCALES + 1}) {
         for (const uint32_t value : {0u, ~0u, 0x7fc00000u}) {
             std::vector<uint32_t> other = words;
             other[word] = value;

@@ -7,30 +7,21 @@
 #include <set>
 #include <vector>
 
+#include "tests/tiles/city/generated_city.h"
 #include "tiles/city/generator.h"
 #include "tiles/city/generator_random.h"
 
 namespace citystream::tiles::city {
 namespace {
 
-struct City {
-    CityHeader header;
-    CityCatalog catalog;
-    CityReport report;
-    std::vector<CityObject> objects;
-};
+using City = GeneratedCity;
 
 City generate(uint32_t buildings, uint64_t seed, Vec2 origin = {}) {
-    City city;
     GeneratorOptions options;
     options.buildings = buildings;
     options.seed = seed;
     options.origin = origin;
-    generate_city(options, city.header, city.catalog, city.report, [&city](CityObject&& object) {
-        city.objects.push_back(std::move(object));
-        return true;
-    });
-    return city;
+    return generated_city(options);
 }
 
 size_t count(const City& city, ObjectKind kind) {

@@ -4,25 +4,16 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
+#include "tests/temporary_folder.h"
+
 namespace citystream::tiles::layers {
 
-/// A folder of its own that goes away with the test.
-class ImageFolder {
+class ImageFolder : public tests::TemporaryFolder {
   public:
-    ImageFolder() {
-        std::string pattern = (std::filesystem::temp_directory_path() / "citystream-images-XXXXXX").string();
-        EXPECT_NE(mkdtemp(pattern.data()), nullptr);
-        folder_ = pattern;
-    }
-    ~ImageFolder() { std::filesystem::remove_all(folder_); }
-    ImageFolder(const ImageFolder&) = delete;
-    ImageFolder& operator=(const ImageFolder&) = delete;
-    std::string path(const std::string& name = {}) const { return (folder_ / name).string(); }
+    std::string path(const std::string& name = {}) const { return *this / name; }
 
     /// Values row by row from the top; returns the path.
     template <typename T>
@@ -41,17 +32,6 @@ class ImageFolder {
         return write(name, OIIO::ImageSpec(width, height, channels, OIIO::TypeDesc::UINT8), values,
                      OIIO::TypeDesc::UINT8);
     }
-    std::string write_bytes(const std::string& name, const std::string& bytes) const {
-        std::ofstream(path(name), std::ios::binary) << bytes;
-        return path(name);
-    }
-    std::string bytes_of(const std::string& name) const {
-        std::ifstream file(path(name), std::ios::binary);
-        return {(std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>()};
-    }
-
-  private:
-    std::filesystem::path folder_;
 };
 
 /// Bytes that look like noise, the same at every call.

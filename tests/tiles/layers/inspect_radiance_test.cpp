@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "codec/radiance/radiance_layer.h"
-#include "tests/tiles/layers/city_builds.h"
+#include "tests/tiles/layers/radiance_builds.h"
 #include "tiles/layers/inspect_city.h"
 #include "tiles/tileset/radiance_totals.h"
 
@@ -13,18 +13,9 @@ namespace {
 
 using tileset::Layer;
 
-class InspectRadiance : public CityBuildTest {
+class InspectRadiance : public RadianceBuildTest {
   protected:
-    void SetUp() override {
-        if (!radiance_can_be_built()) GTEST_SKIP() << "there is no Embree";
-    }
-    BuildOptions usual_options() const override {
-        BuildOptions options = CityBuildTest::usual_options();
-        options.layers = {true, false, false, true};
-        options.radiance.lattice_metres = 4;
-        options.radiance.texels_across = 4;
-        return options;
-    }
+    InspectRadiance() : RadianceBuildTest(4, 4) {}
 };
 
 TEST_F(InspectRadiance, InfoCountsTheReceiversThatTheBuilderMade) {

@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "codec/radiance/radiance_layer.h"
-#include "tests/tiles/layers/city_builds.h"
 #include "tests/tiles/layers/memory_count.h"
+#include "tests/tiles/layers/radiance_builds.h"
 #include "tiles/layers/inspect_city.h"
 
 namespace citystream::tiles::layers {
@@ -26,20 +26,9 @@ using tileset::TileRecord;
 
 constexpr auto kRadiance = static_cast<size_t>(Layer::kRadiance);
 
-class RadianceBuild : public CityBuildTest {
+class RadianceBuild : public RadianceBuildTest {
   protected:
-    void SetUp() override {
-        if (!radiance_can_be_built()) GTEST_SKIP() << "there is no Embree";
-    }
-
-    /// Mesh and radiance alone, on few rays.
-    BuildOptions usual_options() const override {
-        BuildOptions options = CityBuildTest::usual_options();
-        options.layers = {true, false, false, true};
-        options.radiance.lattice_metres = 8;
-        options.radiance.texels_across = 8;
-        return options;
-    }
+    RadianceBuild() : RadianceBuildTest(8, 8) {}
 
     BuildSummary built(const std::string& name, const CitySource& source,
                        const std::function<void(BuildOptions&)>& change = {}) const {

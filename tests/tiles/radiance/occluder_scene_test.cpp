@@ -62,6 +62,18 @@ TEST(OccluderScene, KnowsFrontsFromBacksAndTheNearestOfThem) {
     EXPECT_EQ(scene->nearest_side(at(64, 64, -5), kUp), Side::kBack);
 }
 
+TEST(OccluderScene, ARayGoesToTheNearestSurfaceWhicheverSideItHas) {
+    Surface surface = test::ground(0, 0, 128, 128);
+    test::add(surface, test::tower(64, 64, 16, 20));
+    const auto scene = OccluderScene::create(surface, nullptr, kTile);
+    ASSERT_TRUE(scene);
+    EXPECT_NEAR(scene->free_way(at(20, 64, 5), kDown, 50), 5, 1e-4);
+    EXPECT_NEAR(scene->free_way(at(20, 64, 5), kEast, 50), 36, 1e-4);
+    EXPECT_NEAR(scene->free_way(at(64, 64, 5), kEast, 50), 8, 1e-4) << "a back";
+    EXPECT_EQ(scene->free_way(at(64, 64, 5), kEast, 6), 6);
+    EXPECT_EQ(scene->free_way(at(20, 64, 5), kUp, 50), 50);
+}
+
 TEST(OccluderScene, OfCoincidentSurfacesTheFrontCounts) {
     Surface sheet = test::ground(0, 0, 20, 20, 5);
     const size_t one_side = sheet.size();

@@ -80,16 +80,17 @@ TEST(ReceiverLattice, ATowersWallsRoofAndGroundHaveLatticesOfTheirOwn) {
     }
 }
 
-/// Within rounding, and facing the same way.
+/// Within rounding, and facing the same way, but for what surfaces that stand for each other may differ.
 bool on_triangle(const GridPoint& point, const test::Vector& normal, const SurfaceTriangle& triangle) {
     constexpr int64_t kRounding = 2;
+    constexpr double kLike = 0.989;
     const auto& [p, q, r] = triangle.corners;
     const auto within = [](int64_t value, int64_t a, int64_t b, int64_t c) {
         return value >= std::min({a, b, c}) - kRounding && value <= std::max({a, b, c}) + kRounding;
     };
     const auto exact = test::unit_normal(triangle);
     return within(point.x, p.x, q.x, r.x) && within(point.y, p.y, q.y, r.y) && within(point.z, p.z, q.z, r.z) &&
-           test::dot(exact, normal) > 0.999 && std::abs(test::dot(exact, test::vector_between(p, point))) < kRounding;
+           test::dot(exact, normal) > kLike && std::abs(test::dot(exact, test::vector_between(p, point))) < kRounding;
 }
 
 TEST(ReceiverLattice, NoneIsBuriedAndAllAreOnASurface) {
@@ -140,6 +141,34 @@ TEST(ReceiverLattice, WallsStandOnWhatIsSeenOfThemAndFoundationsHaveNoReceivers)
             EXPECT_GE(walls, 4 * across * up) << plinth << ' ' << metres;
             EXPECT_LE(walls, 4 * across * (up + 1)) << plinth << ' ' << metres;
         }
+    }
+}
+
+TEST(ReceiverLattice, OfAdjoiningHousesOnlyWhatStandsOutHasReceivers) {
+    // A house 24 m high, and one 8 m high that covers the lower third of its eastern wall; no floors.
+    Surface surface = test::ground(0, 0, 64, 64);
+    test::add(surface, test::tower(24, 32, 16, 24));
+    const auto alone = place(surface, {}, to_grid(4));
+    test::add(surface, test::tower(40, 32, 16, 8));
+    const auto receivers = place(surface, {}, to_grid(4));
+    const auto of_party_wall = [](std::span<const Receiver> all, uint32_t surface_class) {
+        std::vector<Receiver> found;
+        std::copy_if(all.begin(), all.end(), std::back_inserter(found), [&](const Receiver& receiver) {
+            return receiver.surface_class == surface_class && receiver.point.x == to_grid(32);
+        });
+        return found;
+    };
+    EXPECT_EQ(of_party_wall(alone, 0).size(), 5U * 7U);
+    // Columns at 8 m light the wall just above the lower roof, those below nothing.
+    const auto exposed = of_party_wall(receivers, 0);
+    EXPECT_EQ(exposed.size(), 5U * 5U);
+    for (const Receiver& receiver : exposed) EXPECT_GE(receiver.point.z, to_grid(8));
+    EXPECT_TRUE(of_party_wall(receivers, 1).empty()) << "the lower house's wall is covered from end to end";
+    for (const Receiver& receiver : receivers) {
+        const bool inside = receiver.surface_class == 4 && receiver.point.z == 0 &&
+                            std::abs(receiver.point.y - to_grid(32)) < to_grid(8) &&
+                            std::abs(receiver.point.x - to_grid(32)) < to_grid(16);
+        EXPECT_FALSE(inside) << "on the ground inside";
     }
 }
 
