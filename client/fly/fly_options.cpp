@@ -70,6 +70,11 @@ void add_meso_options(CLI::App& app, FlyArguments& arguments) {
                    "local directions (seconds a map on software drivers); off: it stands free (off)")
         ->check(CLI::IsMember({"on", "off"}));
     app.add_option("--btf-budget", arguments.btf_budget, "memory for BTFs, taken when the first is made (64MiB)");
+    app.add_option(
+           "--btf-texels", arguments.btf_texels,
+           "texels of a BTF across: finer ones show finer relief from further away, in memory and time that grow "
+           "as their square (16)")
+        ->check(CLI::IsMember({"4", "8", "16", "32", "64"}));
 }
 
 /// What the machine has for it.
@@ -92,10 +97,12 @@ Status check_light(const FlyArguments& arguments) {
     if (!arguments.light.asked_for()) {
         if (!arguments.meso.empty()) return needs_environment("--meso");
         if (!arguments.btf_budget.empty()) return needs_environment("--btf-budget");
+        if (!arguments.btf_texels.empty()) return needs_environment("--btf-texels");
     } else if (!arguments.reference.empty()) {
         return Error{"--reference draws without the light of an environment: leave one of the two out"};
     }
     if (!arguments.btf_budget.empty() && arguments.meso != "on") return Error{"--btf-budget needs --meso on"};
+    if (!arguments.btf_texels.empty() && arguments.meso != "on") return Error{"--btf-texels needs --meso on"};
     return Done{};
 }
 
@@ -179,6 +186,7 @@ RendererOptions renderer_options(const FlyOptions& options) {
     renderer.facade_tint = options.tint;
     renderer.meso = options.has_meso();
     renderer.btf_budget_bytes = options.btf_bytes;
+    if (!options.btf_texels.empty()) renderer.btf_texels = static_cast<uint32_t>(std::stoul(options.btf_texels));
     if (options.mode == "realtime") renderer.relief_rays = kReliefRaysOfAFrame;
     return renderer;
 }

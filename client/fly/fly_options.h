@@ -30,7 +30,7 @@ struct FlyArguments {
     uint32_t facade_samples = kFacadeSamples;
     std::string chart_transport{chart_transport_name(ChartTransport::kTable)};
     LightArguments light;
-    std::string meso, btf_budget;
+    std::string meso, btf_budget, btf_texels;
     std::string gpu_budget = "512MiB", index_arena = "64MiB", host_budget = "1GiB", device;
     bool list_devices = false, validation = false, json = false;
 };

@@ -26,7 +26,7 @@ struct ReliefDrawEntry {
 /* How relief is drawn follows from how many pixels of the picture a texel of its BTF's finest mip covers: with
    RELIEF_CAST_PIXELS or more it is cast, with half as many its BTF is shown, and between them a blend of the two.
    Walls of RELIEF_WALL_PIXELS pixels or more are shown by their BTF, those of half as many by their mean colour. */
-#define RELIEF_CAST_PIXELS 4.0
+#define RELIEF_CAST_PIXELS 2.0
 #define RELIEF_WALL_PIXELS 8.0
 
 #ifdef __cplusplus

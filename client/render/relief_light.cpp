@@ -59,8 +59,9 @@ WallPixels wall_pixels(const ReliefWall& wall, const std::array<double, 3>& orig
 }
 
 ReliefLight::ReliefLight(const Device& device, SlotPool& pool, FacadeRenderer renderer, uint64_t btf_budget_bytes,
-                         uint64_t most_rays)
+                         uint32_t btf_texels, uint64_t most_rays)
     : renderer_(renderer),
+      btf_options_{.patch = btf_texels},
       masks_(device, pool, {device.is_cpu, most_rays}),
       btfs_(device, pool, masks_, btf_budget_bytes, btf_options_, {device.is_cpu, most_rays}) {}
 

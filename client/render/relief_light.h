@@ -43,10 +43,10 @@ WallPixels wall_pixels(const ReliefWall& wall, const std::array<double, 3>& orig
 
 class ReliefLight {
   public:
-    /// `device` and `pool` outlive it. `btf_budget_bytes`: of the BTFs' buffer. `most_rays`: as ReliefMaking has it;
-    /// software drivers leave the making to the host.
+    /// `device` and `pool` outlive it. `btf_budget_bytes`: of the BTFs' buffer. `btf_texels`: of a BTF across
+    /// (BtfOptions::patch). `most_rays`: as ReliefMaking has it; software drivers leave the making to the host.
     ReliefLight(const Device& device, SlotPool& pool, FacadeRenderer renderer, uint64_t btf_budget_bytes,
-                uint64_t most_rays);
+                uint32_t btf_texels, uint64_t most_rays);
 
     /// The words that begin a layer, of any kind; once more replaces what was known.
     void learn(LayerId layer, std::span<const uint32_t> words);

@@ -160,7 +160,8 @@ Status Renderer::start() {
     passes_.emplace(device_, target_,
                     device_.has_fragment_atomics64 && options_.keyed_facades.value_or(device_.is_cpu));
     if (options_.meso)
-        relief_.emplace(device_, pool_, options_.facade_renderer, options_.btf_budget_bytes, options_.relief_rays);
+        relief_.emplace(device_, pool_, options_.facade_renderer, options_.btf_budget_bytes, options_.btf_texels,
+                        options_.relief_rays);
     timestamps_.emplace(device_);
     recorded_.device = &device_;
     recorded_.target = &target_;

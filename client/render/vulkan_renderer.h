@@ -42,6 +42,7 @@ struct RendererOptions {
     /// the budget; BTFs have one of their own, taken when the first is made.
     bool meso = false;
     uint64_t btf_budget_bytes = 64ull << 20;
+    uint32_t btf_texels = 16;  ///< of a BTF across: 4, 8, 16, 32 or 64; memory and time to make it grow as their square
     /// Rays that a frame may cast to make masks, and as many for BTFs; 0: all that it needs. What is not made yet is
     /// drawn as without.
     uint64_t relief_rays = 0;

@@ -44,9 +44,9 @@ TEST(FlyOptions, OfACityAloneAreTheUsualOnes) {
 }
 
 TEST(FlyOptions, OfLightReachWhoDrawsAndWhoStreams) {
-    const auto options =
-        read_flight({"--environment", "sky", "--light-tolerance", "0.1", "--matrix", "rows", "--matrix-error", "0.02",
-                     "--meso", "on", "--btf-budget", "1MiB", "--size", "64x32", "--mode", "realtime"});
+    const auto options = read_flight({"--environment", "sky", "--light-tolerance", "0.1", "--matrix", "rows",
+                                      "--matrix-error", "0.02", "--meso", "on", "--btf-budget", "1MiB", "--btf-texels",
+                                      "32", "--size", "64x32", "--mode", "realtime"});
     ASSERT_TRUE(options) << options.error().text();
     const StreamerOptions streamer = streamer_options(*options);
     EXPECT_EQ(streamer.light_tolerance, 0.1);
@@ -56,6 +56,7 @@ TEST(FlyOptions, OfLightReachWhoDrawsAndWhoStreams) {
     const RendererOptions renderer = renderer_options(*options);
     EXPECT_TRUE(renderer.meso);
     EXPECT_EQ(renderer.btf_budget_bytes, 1U << 20);
+    EXPECT_EQ(renderer.btf_texels, 32U);
     EXPECT_EQ(renderer.width, 64U);
     const auto plain = read_flight({"--environment", "sky"});
     ASSERT_TRUE(plain);
@@ -72,6 +73,8 @@ TEST(FlyOptions, ThatDoNotGoTogetherOrAreNoValuesAreNamed) {
         {{"--environment-path", ""}, "--environment-path"},
         {{"--meso", "on"}, "--meso needs --environment"},
         {{"--btf-budget", "1MiB"}, "--btf-budget needs --environment"},
+        {{"--btf-texels", "32"}, "--btf-texels needs --environment"},
+        {{"--environment", "sky", "--btf-texels", "32"}, "--btf-texels needs --meso on"},
         {{"--light-tolerance", "0.1"}, "--light-tolerance needs --environment"},
         {{"--matrix", "rows"}, "--matrix needs --environment"},
         {{"--matrix-error", "0.1"}, "--matrix-error needs --environment"},
