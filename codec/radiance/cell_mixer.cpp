@@ -23,12 +23,12 @@ constexpr MixingTables make_tables() {
     constexpr int32_t kEnd = MixingTables::kStretchEnd;
     for (int32_t x = -kEnd; x < kEnd; ++x) {
         const double p = 65536 / (1 + exponential(-static_cast<double>(x) / kStretchUnit));
-        tables.squash[static_cast<size_t>(x + kEnd)] = static_cast<uint16_t>(std::clamp(p, kLeast, kMost));
+        tables.squash[static_cast<uint32_t>(x + kEnd)] = static_cast<uint16_t>(std::clamp(p, kLeast, kMost));
     }
     constexpr uint32_t kInterval = 1u << (16 - MixingTables::kStretchBits);
     int32_t at = 1 - kEnd;
     for (uint32_t i = 0; i < tables.stretch.size(); ++i) {
-        while (at < kEnd - 1 && tables.squash[static_cast<size_t>(at + kEnd)] < kInterval * i + kInterval / 2) ++at;
+        while (at < kEnd - 1 && tables.squash[static_cast<uint32_t>(at + kEnd)] < kInterval * i + kInterval / 2) ++at;
         tables.stretch[i] = static_cast<int16_t>(at);
     }
     return tables;
