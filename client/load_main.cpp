@@ -12,6 +12,7 @@
 #include "client/load/load_report.h"
 #include "client/load/load_run.h"
 #include "client/select/view_options.h"
+#include "client/stream/byte_count.h"
 #include "command_line/command_line.h"
 
 namespace {
@@ -40,6 +41,13 @@ int fail(const std::string& message, int code) {
 }
 
 /// Fills options from the texts; the error names the option.
+Result<uint64_t> read_budget(const char* option, const std::string& text) {
+    const auto bytes = client::parse_byte_count(text);
+    if (!bytes) return Error{std::string(option) + ": " + bytes.error().text()};
+    if (*bytes == 0) return Error{std::string(option) + ": at least a byte is needed"};
+    return *bytes;
+}
+
 Status interpret(Arguments& arguments) {
     client::LoadOptions& options = arguments.options;
     const auto duration = client::parse_load_duration(arguments.duration);
@@ -56,11 +64,11 @@ Status interpret(Arguments& arguments) {
     if (!size) return size.error();
     options.client.width = size->width;
     options.client.height = size->height;
-    const auto host = client::parse_load_bytes(arguments.host_budget);
-    if (!host) return Error{"--host-budget: " + host.error().text()};
+    const auto host = read_budget("--host-budget", arguments.host_budget);
+    if (!host) return host.error();
     options.client.streamer.host_budget_bytes = *host;
-    const auto gpu = client::parse_load_bytes(arguments.gpu_budget);
-    if (!gpu) return Error{"--gpu-budget: " + gpu.error().text()};
+    const auto gpu = read_budget("--gpu-budget", arguments.gpu_budget);
+    if (!gpu) return gpu.error();
     options.client.gpu_budget_bytes = *gpu;
     if (!arguments.network.empty()) {
         const auto shape = client::NetworkShape::parse(arguments.network);

@@ -34,13 +34,9 @@ const Rgb& texel_around(const EnvironmentMap& map, int64_t column, int64_t row) 
 
 }  // namespace
 
-double dot(const Direction& a, const Direction& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 double angle_between(const Direction& a, const Direction& b) {
-    const Direction cross = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-    return std::atan2(std::sqrt(dot(cross, cross)), dot(a, b));
+    const Direction across = codec::cross(a, b);
+    return std::atan2(std::sqrt(dot(across, across)), dot(a, b));
 }
 
 Direction turned_clockwise(const Direction& direction, double yaw) {

@@ -16,13 +16,15 @@
 #include <vector>
 
 #include "codec/radiance/source_light.h"
+#include "codec/vector.h"
 
 namespace citystream::client {
 
 using codec::radiance::Rgb;
 /// Sums of light: radiance times solid angle, linear Rec. 709.
 using LightSum = std::array<double, 3>;
-using Direction = std::array<double, 3>;
+using Direction = codec::Vector;
+using codec::dot;
 
 /// Greatest radiance of a texel: far above any light, and sums of it stay finite.
 inline constexpr float kGreatestRadiance = 1e9F;
@@ -33,7 +35,6 @@ double luminance(const Colour& colour) {
     return 0.2126 * colour[0] + 0.7152 * colour[1] + 0.0722 * colour[2];
 }
 
-double dot(const Direction& a, const Direction& b);
 /// Radians between two unit vectors, exact for small angles, too.
 double angle_between(const Direction& a, const Direction& b);
 /// Turned clockwise seen from above.

@@ -1,4 +1,4 @@
-// Reading what people type: durations, byte amounts.
+// Reading what people type: durations.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,5 @@ namespace citystream::client {
 
 /// "30s", "500ms", "2m", "1h", "45" (seconds): above 0, at most a day. In seconds.
 Result<double> parse_load_duration(const std::string& text);
-/// "512MiB", "1GiB", "64KiB", "500MB", "1000" (bytes): at least 1.
-Result<uint64_t> parse_load_bytes(const std::string& text);
 
 }  // namespace citystream::client

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "client/render/tone.h"
+#include "codec/vector.h"
 #include "tiles/radiance/in_parallel.h"
 
 namespace citystream::client {
@@ -17,6 +18,8 @@ namespace citystream::client {
 namespace {
 
 constexpr uint32_t kBundle = 16;
+using codec::cross;
+
 constexpr float kEndless = std::numeric_limits<float>::infinity();
 
 struct DeviceDeleter {
@@ -31,9 +34,6 @@ Direction operator+(const Direction& a, const Direction& b) {
 }
 Direction operator*(double s, const Direction& a) {
     return {s * a[0], s * a[1], s * a[2]};
-}
-Direction cross(const Direction& a, const Direction& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 Direction unit(const Direction& a) {
     return 1 / std::sqrt(dot(a, a)) * a;

@@ -5,19 +5,14 @@
 #include <cmath>
 
 #include "codec/grid.h"
+#include "codec/vector.h"
 
 namespace citystream::client {
 namespace {
 
-using Vector = std::array<double, 3>;
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+using codec::cross;
+using codec::dot;
+using codec::Vector;
 
 Vector scaled(const Vector& a, double s) {
     return {a[0] * s, a[1] * s, a[2] * s};

@@ -5,19 +5,17 @@
 #include <numbers>
 
 #include "codec/grid.h"
+#include "codec/vector.h"
 
 namespace citystream::client {
 namespace {
 
-using Vector = std::array<double, 3>;
+using codec::dot;
+using codec::Vector;
 
 constexpr int kFractionBits = 6;  // of a grid unit: 2^-16 m
 /// Metres: farther away than this, cameras are taken for nearer ones.
 constexpr double kFarthest = 0x1p40;
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /// A box as centre (relative to the camera) and half extents.
 struct CentredBox {

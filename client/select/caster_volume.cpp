@@ -6,15 +6,9 @@
 namespace citystream::client {
 namespace {
 
-using Vector = std::array<double, 3>;
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+using codec::cross;
+using codec::dot;
+using codec::Vector;
 
 Vector sum(const Vector& a, const Vector& b, double t) {
     return {a[0] + b[0] * t, a[1] + b[1] * t, a[2] + b[2] * t};

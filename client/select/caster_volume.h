@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/select/camera.h"
+#include "codec/vector.h"
 
 namespace citystream::client {
 
@@ -29,7 +30,7 @@ class CasterVolume {
     double shadow_distance(const tiles::tileset::Bounds& bounds, const std::array<double, 2>& origin) const;
 
   private:
-    using Vector = std::array<double, 3>;
+    using Vector = codec::Vector;
     struct Extent {
         Vector normal{};
         double least = 0, greatest = 0;  ///< of the volume, relative to the camera

@@ -5,16 +5,16 @@
 #include <cmath>
 #include <limits>
 
+#include "codec/vector.h"
+
 namespace citystream::client {
 namespace {
+
+using codec::dot;
 
 constexpr size_t kMostCorners = 16;
 // Of a box's nearness: what lies at the same depth as a wall is not hidden by it.
 constexpr double kBehind = 1 + 1e-4;
-
-double dot(const std::array<double, 3>& a, const std::array<double, 3>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /// out[i] = the least of rows[i - radius .. i + radius]. The frame's edge is no edge of a surface: what is outside of
 /// it is not asked for.

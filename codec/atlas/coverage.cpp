@@ -4,11 +4,11 @@
 #include <cassert>
 #include <cmath>
 
+#include "codec/vector.h"
+
 namespace citystream::codec::atlas {
 
 namespace {
-
-using Vector = std::array<double, 3>;
 
 Vector minus(const Vector& a, const Vector& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -16,10 +16,6 @@ Vector minus(const Vector& a, const Vector& b) {
 
 double length(const Vector& a) {
     return std::hypot(a[0], a[1], a[2]);
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 /// A triangle by two edges from its first corner.

@@ -7,24 +7,15 @@
 #include <numeric>
 
 #include "codec/mesh/precision.h"
+#include "codec/vector.h"
 
 namespace citystream::codec::mesh {
 namespace {
-
-using Vector = std::array<double, 3>;
 
 Vector difference(const GridPoint& a, const GridPoint& b) {
     Vector d{};
     for (size_t c = 0; c < 3; ++c) d[c] = static_cast<double>(a[c]) - static_cast<double>(b[c]);
     return d;
-}
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 bool all_equal(std::span<const double> attributes) {

@@ -21,10 +21,6 @@ Vector difference(const GridPoint& a, const GridPoint& b) {
     return {double{1} * a[0] - b[0], double{1} * a[1] - b[1], double{1} * a[2] - b[2]};
 }
 
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 double length_of(const Vector& v) {
     return std::sqrt(dot(v, v));
 }

@@ -15,10 +15,9 @@
 #include <span>
 
 #include "codec/mesh/grid_mesh.h"
+#include "codec/vector.h"
 
 namespace citystream::codec::mesh {
-
-using Vector = std::array<double, 3>;
 
 /// The points around a gate a -> b: c is opposite in the region, `before` the start of the gate before, `after` the end
 /// of the gate after (b or a where the loop has no more than two gates), `behind_before` and `behind_after` are

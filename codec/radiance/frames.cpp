@@ -6,20 +6,11 @@
 
 #include "codec/mesh/octahedral.h"
 #include "codec/radiance/series_angle.h"
+#include "codec/vector.h"
 
 namespace citystream::codec::radiance {
 
 namespace {
-
-using Vector = std::array<double, 3>;
-
-double dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 Vector combined(const Vector& a, double of_a, const Vector& b, double of_b) {
     return {a[0] * of_a + b[0] * of_b, a[1] * of_a + b[1] * of_b, a[2] * of_a + b[2] * of_b};

@@ -6,12 +6,11 @@
 
 #include "codec/radiance/frames.h"
 #include "codec/radiance/series_angle.h"
+#include "codec/vector.h"
 
 namespace citystream::codec::radiance {
 
 namespace {
-
-using Vector = std::array<double, 3>;
 
 /// Side of the cube grid that finds candidates.
 constexpr uint32_t kLookupSide = 32;

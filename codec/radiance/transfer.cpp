@@ -4,9 +4,9 @@
 #include <array>
 #include <bit>
 #include <numeric>
-#include <string_view>
-#include <unordered_map>
 #include <utility>
+
+#include "codec/radiance/distinct_row_set.h"
 
 namespace citystream::codec::radiance {
 
@@ -214,26 +214,6 @@ void append_rows(Transfer& transfer, const std::vector<Entry>& entries, uint32_t
     }
 }
 
-/// A row's bytes, by which rows are found again.
-std::string_view row_bytes(const Transfer& transfer, uint32_t row, std::vector<char>& room) {
-    room.clear();
-    for (uint32_t i = transfer.row_begin[row]; i < transfer.row_begin[row + 1]; ++i) {
-        room.push_back(static_cast<char>(transfer.column[i] & 0xff));
-        room.push_back(static_cast<char>(transfer.column[i] >> 8));
-        room.push_back(static_cast<char>(transfer.quarters[i]));
-    }
-    return {room.data(), room.size()};
-}
-
-bool same_rows(const Transfer& a, uint32_t row, const Transfer& b, uint32_t other) {
-    const uint32_t begin = a.row_begin[row], count = a.row_begin[row + 1] - begin, there = b.row_begin[other];
-    if (b.row_begin[other + 1] - there != count) return false;
-    const auto same = [&](const auto& x, const auto& y) {
-        return std::equal(x.begin() + begin, x.begin() + begin + count, y.begin() + there);
-    };
-    return same(a.column, b.column) && same(a.quarters, b.quarters);
-}
-
 void append_row(Transfer& to, const Transfer& from, uint32_t row) {
     const auto begin = static_cast<std::ptrdiff_t>(from.row_begin[row]);
     const auto end = static_cast<std::ptrdiff_t>(from.row_begin[row + 1]);
@@ -427,23 +407,12 @@ DistinctRows DistinctRowMaker::take() {
 }
 
 DistinctRows distinct_rows(const Transfer& transfer) {
-    DistinctRows distinct{{transfer.columns, {0}, {}, {}}, {}};
-    std::unordered_multimap<size_t, uint32_t> places;
-    std::vector<char> room;
+    DistinctRowSet set(transfer.columns);
     for (uint32_t row = 0; row < transfer.rows(); ++row) {
-        const size_t hash = std::hash<std::string_view>()(row_bytes(transfer, row, room));
-        const auto [first, last] = places.equal_range(hash);
-        const auto known = std::find_if(
-            first, last, [&](const auto& place) { return same_rows(transfer, row, distinct.rows, place.second); });
-        if (known != last) {
-            distinct.row_of.push_back(known->second);
-            continue;
-        }
-        places.emplace(hash, distinct.rows.rows());
-        distinct.row_of.push_back(distinct.rows.rows());
-        append_row(distinct.rows, transfer, row);
+        const uint32_t begin = transfer.row_begin[row], count = transfer.row_begin[row + 1] - begin;
+        set.add(std::span(transfer.column).subspan(begin, count), std::span(transfer.quarters).subspan(begin, count));
     }
-    return distinct;
+    return set.take();
 }
 
 Transfer all_rows(const DistinctRows& distinct) {

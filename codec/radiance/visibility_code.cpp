@@ -143,6 +143,24 @@ uint32_t VisibilityLevelCode::where(const Row& row, uint32_t x) const {
            std::min(x / scale, kPlacesAcross - 1);
 }
 
+VisibilityLevelCode::Parts VisibilityLevelCode::parts_around(const Row& row, uint32_t x) const {
+    const uint32_t stride = layout_.stride(1), hidden = layout_.hidden(1);
+    const auto column = static_cast<int32_t>(x);
+    const auto parts_of = [&](int32_t part_row, int32_t from, uint32_t count) {
+        return columns_of(row.parts + part_row * static_cast<int32_t>(stride), hidden, from, count);
+    };
+    const bool is_cut = 2 * row.y + 1 >= layout_.across(1);
+    const Columns upper = parts_of(0, 2 * column - 1, 4), lower = parts_of(1, 2 * column - 1, 4);
+    const uint32_t above = parts_of(-1, 2 * column, 2).mixed(), below = is_cut ? 0 : parts_of(2, 2 * column, 2).mixed();
+    const uint32_t beside = upper.mixed() | lower.mixed();
+    const uint32_t states = Joint()
+                                .add(upper.visible >> 1 & 3, 2)
+                                .add(upper.hidden >> 1 & 3, 2)
+                                .add(lower.visible >> 1 & 3, 2)
+                                .add(lower.hidden >> 1 & 3, 2);
+    return {states, (above != 0 ? 1u : 0) | (below != 0 ? 2u : 0) | (beside & 1) << 2 | (beside >> 3) << 3};
+}
+
 void VisibilityLevelCode::set_contexts(const Row& row, uint32_t x) {
     const uint32_t stride = layout_.stride(level_), hidden = layout_.hidden(level_);
     const auto column = static_cast<int32_t>(x);
@@ -170,22 +188,7 @@ void VisibilityLevelCode::set_contexts(const Row& row, uint32_t x) {
     const uint32_t set = both + kPairs * kThirds[wrong];
     const uint32_t north_mixed = north.mixed() >> 1 & 1, west_mixed = west.mixed() >> 1;
     if (level_ == 0) {
-        // Of the parts of the first receiver's cell and the ring around them; below the face's edge there are none.
-        const uint32_t part_stride = layout_.stride(1), part_hidden = layout_.hidden(1);
-        const auto parts_of = [&](int32_t part_row, int32_t from, uint32_t count) {
-            return columns_of(row.parts + part_row * static_cast<int32_t>(part_stride), part_hidden, from, count);
-        };
-        const bool is_cut = 2 * row.y + 1 >= layout_.across(1);
-        const Columns upper = parts_of(0, 2 * column - 1, 4), lower = parts_of(1, 2 * column - 1, 4);
-        const uint32_t above = parts_of(-1, 2 * column, 2).mixed(),
-                       below = is_cut ? 0 : parts_of(2, 2 * column, 2).mixed();
-        const uint32_t beside = upper.mixed() | lower.mixed();
-        const uint32_t parts = Joint()
-                                   .add(upper.visible >> 1 & 3, 2)
-                                   .add(upper.hidden >> 1 & 3, 2)
-                                   .add(lower.visible >> 1 & 3, 2)
-                                   .add(lower.hidden >> 1 & 3, 2);
-        const uint32_t ring = (above != 0 ? 1u : 0) | (below != 0 ? 2u : 0) | (beside & 1) << 2 | (beside >> 3) << 3;
+        const auto [parts, ring] = parts_around(row, x);
         const uint32_t second_edges = cross(second.north.mixed(), second.middle.mixed(), second.south.mixed());
         mixer_.set_contexts({Joint().add(around_first, 8).add(both, 4).add(north_mixed, 1).add(west_mixed, 1), at,
                              right, Joint().add(parts, 8).add(ring, 4).add(north_mixed, 1).add(west_mixed, 1),

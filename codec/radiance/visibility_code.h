@@ -70,6 +70,12 @@ class VisibilityLevelCode {
         const uint8_t* parts = nullptr;  ///< of the first receiver, of level 0 alone: the upper row of parts
     };
     Row row_of(const KnownStates& known, const CellStates& states, uint32_t face, uint32_t y) const;
+    /// Of level 0, of the first receiver's cell: the states of its parts, and which sides of the ring around them have
+    /// mixed ones; below the face's edge there are none.
+    struct Parts {
+        uint32_t states, ring;
+    };
+    Parts parts_around(const Row& row, uint32_t x) const;
     void set_contexts(const Row& row, uint32_t x);
     void set_finest_contexts(const Row& row, uint32_t x);
     uint32_t where(const Row& row, uint32_t x) const;

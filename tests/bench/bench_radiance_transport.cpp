@@ -34,18 +34,6 @@ struct TransportFigures {
     double encode_seconds = 0, rows_seconds = 0, biclusters_seconds = 0;
 };
 
-/// Of this thread's processor time.
-double processor_seconds(const std::function<void()>& work) {
-    const auto now = [] {
-        timespec time{};
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-        return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-    };
-    const double begin = now();
-    work();
-    return now() - begin;
-}
-
 /// A layer as it is received.
 struct Wire {
     std::vector<std::span<const std::byte>> steps;
@@ -58,7 +46,7 @@ std::vector<uint32_t> decode(const Wire& wire, MatrixForm form, int repetitions,
     Result<std::vector<uint32_t>> words = Error{};
     for (int i = 0; i < repetitions; ++i) {
         times.push_back(
-            processor_seconds([&] { words = decode_radiance_layer(wire.steps, wire.decoded_bytes, form); }));
+            processor_seconds_of([&] { words = decode_radiance_layer(wire.steps, wire.decoded_bytes, form); }));
     }
     seconds += spread_of(times).median;
     return words ? std::move(*words) : std::vector<uint32_t>();
@@ -74,7 +62,7 @@ TileWords measure_tile(const RadianceTile& tile, RadianceTransport transport, co
                        TransportFigures& figures) {
     Result<std::vector<RadianceLayerStep>> steps = Error{};
     figures.encode_seconds +=
-        processor_seconds([&] { steps = encode_radiance_layer(tile, options.local_side, 0, 0, transport); });
+        processor_seconds_of([&] { steps = encode_radiance_layer(tile, options.local_side, 0, 0, transport); });
     if (!steps) return {};
     Wire wire;
     for (const RadianceLayerStep& step : *steps) {

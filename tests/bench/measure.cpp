@@ -1,5 +1,7 @@
 #include "tests/bench/measure.h"
 
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -17,6 +19,17 @@ double seconds_of(const std::function<void()>& work, int calls) {
 
 double seconds_of(const std::function<void()>& work) {
     return seconds_of(work, 1);
+}
+
+double processor_seconds_of(const std::function<void()>& work) {
+    const auto now = [] {
+        timespec time{};
+        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+        return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    };
+    const double begin = now();
+    work();
+    return now() - begin;
 }
 
 Spread spread_of(std::vector<double> values) {

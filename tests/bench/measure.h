@@ -22,6 +22,8 @@ std::vector<std::vector<double>> time_in_turn(std::span<const std::function<void
 
 /// Seconds of one call.
 double seconds_of(const std::function<void()>& work);
+/// Of this thread's processor time: what takes one thread and takes turns with other programs.
+double processor_seconds_of(const std::function<void()>& work);
 
 /// Spread of a[i] / b[i].
 Spread ratio_of(std::span<const double> a, std::span<const double> b);

@@ -45,22 +45,10 @@ WholeLight made_up_sky(uint32_t texels_across) {
     return whole_light(weighted_light(radiance, texels_across));
 }
 
-/// Of this thread's processor time: codecs and searches take one thread, and other programs take turns with it.
-double processor_seconds(const std::function<void()>& work) {
-    const auto now = [] {
-        timespec time{};
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-        return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-    };
-    const double begin = now();
-    work();
-    return now() - begin;
-}
-
 double median_seconds(int repetitions, const std::function<void()>& work) {
     std::vector<double> seconds;
     work();  // warms caches
-    for (int i = 0; i < repetitions; ++i) seconds.push_back(processor_seconds(work));
+    for (int i = 0; i < repetitions; ++i) seconds.push_back(processor_seconds_of(work));
     return spread_of(seconds).median;
 }
 
@@ -89,7 +77,7 @@ class Case {
   public:
     Case(const RadianceSample& sample, const LocalDirections& local, const FormOptions& options)
         : sample_(sample), tile_(sample.visibility), local_(local), options_(options), light_(made_up_sky(tile_.side)) {
-        transfer_seconds_ = processor_seconds([&] { transfer_ = make_transfer(tile_, local_); });
+        transfer_seconds_ = processor_seconds_of([&] { transfer_ = make_transfer(tile_, local_); });
         for (const uint32_t code : tile_.frames)
             tables_.push_back(local_of_samples(unpack_frame(code), tile_.side, local_));
         std::vector<Exact> exact;
@@ -161,14 +149,14 @@ FormFigures Case::dense() const {
         std::vector<Whole> part;
         std::vector<double> seconds;
         for (int i = 0; i < std::min(options_.repetitions, 3); ++i)
-            seconds.push_back(processor_seconds([&] { part = product_by_dense<uint32_t>(quarters, light()); }));
+            seconds.push_back(processor_seconds_of([&] { part = product_by_dense<uint32_t>(quarters, light()); }));
         figures.transfer_seconds += spread_of(seconds).median;
         product.insert(product.end(), part.begin(), part.end());
         std::vector<std::byte> frame;
         const std::span raw = std::as_bytes(std::span(quarters));
-        figures.encode_seconds += processor_seconds([&] { frame = codec::bits::compress_frame(raw, kDenseLevel); });
+        figures.encode_seconds += processor_seconds_of([&] { frame = codec::bits::compress_frame(raw, kDenseLevel); });
         figures.wire_bytes += frame.size();
-        figures.decode_seconds += processor_seconds([&] {
+        figures.decode_seconds += processor_seconds_of([&] {
             const auto back = codec::bits::decompress_frame(frame, raw.size());
             figures.mismatches += back && std::ranges::equal(*back, raw) ? 0 : raw.size();
         });
@@ -180,10 +168,10 @@ FormFigures Case::dense() const {
 FormFigures Case::csr() const {
     FormFigures figures{"csr", csr_bytes(transfer_), 0, transfer_.flops()};
     std::vector<std::byte> wire;
-    figures.encode_seconds = processor_seconds([&] { wire = encode_rows(transfer_, local_.count()); });
+    figures.encode_seconds = processor_seconds_of([&] { wire = encode_rows(transfer_, local_.count()); });
     figures.wire_bytes = wire.size();
     Result<Transfer> back = Error{};
-    figures.decode_seconds = processor_seconds([&] { back = decode_rows(wire, kLimits); });
+    figures.decode_seconds = processor_seconds_of([&] { back = decode_rows(wire, kLimits); });
     figures.mismatches += back ? differing_entries(*back, transfer_) : transfer_.nonzeros();
     time(figures, [&] { return product_by_entries<uint32_t>(transfer_, light()); });
     return figures;
@@ -192,14 +180,14 @@ FormFigures Case::csr() const {
 FormFigures Case::rowdedupe() const {
     FormFigures figures{"rowdedupe"};
     DistinctRows distinct;
-    figures.search_seconds = processor_seconds([&] { distinct = distinct_rows(transfer_); });
+    figures.search_seconds = processor_seconds_of([&] { distinct = distinct_rows(transfer_); });
     figures.resident_bytes = csr_bytes(distinct.rows) + 4 * uint64_t{transfer_.rows()};
     figures.flops = distinct.rows.flops();
     std::vector<std::byte> wire;
-    figures.encode_seconds = processor_seconds([&] { wire = encode_distinct_rows(distinct, local_.count()); });
+    figures.encode_seconds = processor_seconds_of([&] { wire = encode_distinct_rows(distinct, local_.count()); });
     figures.wire_bytes = wire.size();
     Result<DistinctRows> back = Error{};
-    figures.decode_seconds = processor_seconds([&] { back = decode_distinct_rows(wire, kLimits); });
+    figures.decode_seconds = processor_seconds_of([&] { back = decode_distinct_rows(wire, kLimits); });
     figures.mismatches += back ? differing_entries(all_rows(*back), transfer_) : transfer_.nonzeros();
     time(figures,
          [&] { return spread_rows<uint32_t>(distinct.row_of, product_by_entries<uint32_t>(distinct.rows, light())); });
@@ -210,14 +198,14 @@ FormFigures Case::bicluster() const {
     FormFigures figures{"bicluster"};
     Biclusters clusters;
     figures.search_seconds =
-        processor_seconds([&] { clusters = search_biclusters(transfer_, options_.seeding, options_.row_budget); });
+        processor_seconds_of([&] { clusters = search_biclusters(transfer_, options_.seeding, options_.row_budget); });
     figures.resident_bytes = 4 * (clusters.row.size() + 2 * clusters.column.size());
     figures.flops = clusters.flops();
     std::vector<std::byte> wire;
-    figures.encode_seconds = processor_seconds([&] { wire = encode_biclusters(clusters, local_.count()); });
+    figures.encode_seconds = processor_seconds_of([&] { wire = encode_biclusters(clusters, local_.count()); });
     figures.wire_bytes = wire.size();
     Result<DecodedBiclusters> back = Error{};
-    figures.decode_seconds = processor_seconds([&] { back = decode_biclusters(wire, kLimits); });
+    figures.decode_seconds = processor_seconds_of([&] { back = decode_biclusters(wire, kLimits); });
     if (!back || back->clusters != clusters) figures.mismatches += transfer_.nonzeros();
     const std::vector<uint32_t> errors = row_errors(transfer_, clusters);
     for (const uint32_t error : errors) figures.mismatches += error > options_.row_budget ? error : 0;
@@ -232,14 +220,14 @@ FormFigures Case::bits() const {
     figures.resident_bytes = 4 * tile_.words.size() + uint64_t{2} * tile_.frames.size() * sample_count(tile_.side);
     for (const uint32_t word : tile_.words) figures.flops += static_cast<uint64_t>(std::popcount(word));
     std::vector<VisibilityStep> steps;
-    figures.encode_seconds = processor_seconds([&] { steps = encode_visibility(tile_); });
+    figures.encode_seconds = processor_seconds_of([&] { steps = encode_visibility(tile_); });
     std::vector<std::span<const std::byte>> wire;
     for (const VisibilityStep& step : steps) {
         figures.wire_bytes += step.bytes.size();
         wire.emplace_back(step.bytes);
     }
     Result<VisibilityTile> back = Error{};
-    figures.decode_seconds = processor_seconds([&] { back = decode_visibility(frames_of(tile_), wire, kLimits); });
+    figures.decode_seconds = processor_seconds_of([&] { back = decode_visibility(frames_of(tile_), wire, kLimits); });
     figures.mismatches += back ? differing_entries(make_transfer(*back, local_), transfer_) : transfer_.nonzeros();
     time(figures, [&] { return product_by_bits<uint32_t>(tile_, local_.count(), tables_, light()); });
     return figures;
@@ -249,7 +237,7 @@ FormFigures Case::bits() const {
 std::vector<uint32_t> layer_words(const RadianceSample& sample, uint32_t local_side, FormFigures& figures) {
     const RadianceTile tile{sample.spacing_log2, sample.places, sample.visibility};
     Result<std::vector<RadianceLayerStep>> steps = Error{};
-    figures.encode_seconds = processor_seconds([&] { steps = encode_radiance_layer(tile, local_side, 0); });
+    figures.encode_seconds = processor_seconds_of([&] { steps = encode_radiance_layer(tile, local_side, 0); });
     if (!steps) return {};
     std::vector<std::span<const std::byte>> wire;
     uint64_t decoded_bytes = 0;
@@ -260,9 +248,9 @@ std::vector<uint32_t> layer_words(const RadianceSample& sample, uint32_t local_s
     }
     Result<std::vector<uint32_t>> words = Error{};
     figures.decode_seconds =
-        processor_seconds([&] { words = decode_radiance_layer(wire, decoded_bytes, MatrixForm::kRows); });
+        processor_seconds_of([&] { words = decode_radiance_layer(wire, decoded_bytes, MatrixForm::kRows); });
     const double all =
-        processor_seconds([&] { words = decode_radiance_layer(wire, decoded_bytes, MatrixForm::kBiclusters); });
+        processor_seconds_of([&] { words = decode_radiance_layer(wire, decoded_bytes, MatrixForm::kBiclusters); });
     figures.search_seconds = std::max(0.0, all - figures.decode_seconds);
     if (!words) return {};
     return std::move(*words);
@@ -272,7 +260,7 @@ std::vector<uint32_t> layer_words(const RadianceSample& sample, uint32_t local_s
 std::vector<uint32_t> matrix_words(const RadianceSample& sample, const LocalDirections& local, SeedingChoice seeding,
                                    FormFigures& figures) {
     std::vector<VisibilityStep> steps;
-    figures.encode_seconds = processor_seconds([&] { steps = encode_visibility(sample.visibility); });
+    figures.encode_seconds = processor_seconds_of([&] { steps = encode_visibility(sample.visibility); });
     std::vector<std::span<const std::byte>> wire;
     for (const VisibilityStep& step : steps) {
         figures.wire_bytes += step.bytes.size();
@@ -280,14 +268,14 @@ std::vector<uint32_t> matrix_words(const RadianceSample& sample, const LocalDire
     }
     DistinctRows distinct;
     bool decoded = false;
-    figures.decode_seconds = processor_seconds([&] {
+    figures.decode_seconds = processor_seconds_of([&] {
         const auto back = decode_visibility(frames_of(sample.visibility), wire, kLimits);
         decoded = back.ok();
         if (back) distinct = distinct_rows(make_transfer(*back, local));
     });
     if (!decoded) return {};
     std::vector<uint32_t> words;
-    figures.search_seconds = processor_seconds([&] {
+    figures.search_seconds = processor_seconds_of([&] {
         words = make_resident_radiance(search_biclusters(distinct.rows, seeding, 0), distinct.row_of, local.count());
     });
     return words;

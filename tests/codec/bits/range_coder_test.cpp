@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/hexadecimal.h"
+
 namespace citystream::codec::bits {
 namespace {
 
@@ -192,13 +194,7 @@ TEST(RangeCoder, GoldenBytes) {
     for (const uint32_t value : {0u, 3u, 100u, 70000u}) numbers.code(encoder, value);
     encoder.uniform(10, 7);
     encoder.plain_bits(20, 0xabcde);
-    std::string hex;
-    for (const std::byte byte : encoder.finish()) {
-        constexpr char kDigits[] = "0123456789abcdef";
-        hex += kDigits[std::to_integer<unsigned>(byte) >> 4];
-        hex += kDigits[std::to_integer<unsigned>(byte) & 15];
-    }
-    EXPECT_EQ(hex, "a49c9f76f4c3b84ab4d9002b");
+    EXPECT_EQ(test::hexadecimal(encoder.finish()), "a49c9f76f4c3b84ab4d9002b");
 }
 
 }  // namespace

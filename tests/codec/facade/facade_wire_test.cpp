@@ -10,6 +10,7 @@
 #include "codec/facade/patch_wire.h"
 #include "codec/facade/quotient_wire.h"
 #include "tests/codec/facade/relief_cases.h"
+#include "tests/hexadecimal.h"
 
 namespace citystream::codec::facade {
 namespace {
@@ -25,15 +26,6 @@ std::vector<ReliefCase> reliefs() {
 
 std::vector<std::byte> prefix_of(const std::vector<std::byte>& bytes, size_t size) {
     return {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size)};
-}
-
-std::string hex_of(const std::vector<std::byte>& bytes) {
-    std::string hex;
-    for (const std::byte byte : bytes) {
-        hex += "0123456789abcdef"[std::to_integer<unsigned>(byte) >> 4];
-        hex += "0123456789abcdef"[std::to_integer<unsigned>(byte) & 15];
-    }
-    return hex;
 }
 
 TEST(FacadeWire, ExpandsToExactlyTheWordsOfEveryForm) {
@@ -128,12 +120,12 @@ TEST(FacadeWire, GoldenBytes) {
     fill_rectangle(relief, 1, 3, 0, 1, -2, 1);
     fill_rectangle(relief, 0, 1, 1, 2, 5, 0);
     const RunGrid grid = make_run_grid(relief).value();
-    EXPECT_EQ(hex_of(encode_wire(encode_form(FacadeForm::kQuotient, grid).value())), "000876e9241b29929888");
-    EXPECT_EQ(hex_of(encode_wire(encode_form(FacadeForm::kTiled, grid).value())), "07ffeffb274f495bf57d");
-    EXPECT_EQ(hex_of(encode_wire(encode_form(FacadeForm::kPatch, grid).value())), "1eb75ffeaf76d22bbc");
+    EXPECT_EQ(test::hexadecimal(encode_wire(encode_form(FacadeForm::kQuotient, grid).value())), "000876e9241b29929888");
+    EXPECT_EQ(test::hexadecimal(encode_wire(encode_form(FacadeForm::kTiled, grid).value())), "07ffeffb274f495bf57d");
+    EXPECT_EQ(test::hexadecimal(encode_wire(encode_form(FacadeForm::kPatch, grid).value())), "1eb75ffeaf76d22bbc");
     const RunGrid windows = make_run_grid(window_relief(40, 60, 3, true)).value();
     EXPECT_EQ(
-        hex_of(encode_wire(encode_form(FacadeForm::kQuotient, windows).value())),
+        test::hexadecimal(encode_wire(encode_form(FacadeForm::kQuotient, windows).value())),
         "0011ad63c868995efe17501205538023c535d2c8b5e91f02ecb8251bc3b403ce44eff02eb6d1030697c079c91dabacacefb86e955d");
 }
 

@@ -16,6 +16,7 @@
 #include "codec/radiance/source_light.h"
 #include "codec/radiance/transfer.h"
 #include "tests/codec/radiance/lattice_scene.h"
+#include "tests/hexadecimal.h"
 
 namespace citystream::codec::radiance {
 namespace {
@@ -127,16 +128,6 @@ TEST(RadianceLayer, WritesTheSameBytesAndWordsEachTime) {
     EXPECT_EQ(words_of(steps, kSteps, MatrixForm::kBiclusters), words_of(again, kSteps, MatrixForm::kBiclusters));
 }
 
-std::string hexadecimal(const Bytes& bytes) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    std::string text;
-    for (const std::byte b : bytes) {
-        text.push_back(kDigits[std::to_integer<uint32_t>(b) >> 4]);
-        text.push_back(kDigits[std::to_integer<uint32_t>(b) & 15]);
-    }
-    return text;
-}
-
 TEST(RadianceLayer, KeepsTheBytesOfItsFormatPage) {
     RadianceTile tile;
     tile.spacing_log2 = 12;
@@ -144,9 +135,9 @@ TEST(RadianceLayer, KeepsTheBytesOfItsFormatPage) {
     tile.visibility = cast_rays({{{0, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 0, 1}}}, 4, 0,
                                 [](const Receiver& r, const Point& d) { return d[0] < (r.position[0] + 1) * d[2]; });
     const auto steps = encoded(tile, 1);
-    EXPECT_EQ(hexadecimal(steps[0].wire), "efcdab89674523010c0103000000ab645583ffffca0875fe56");
-    EXPECT_EQ(hexadecimal(steps[1].wire), "77078dacd26a");
-    EXPECT_EQ(hexadecimal(steps[2].wire), "cad35913");
+    EXPECT_EQ(test::hexadecimal(steps[0].wire), "efcdab89674523010c0103000000ab645583ffffca0875fe56");
+    EXPECT_EQ(test::hexadecimal(steps[1].wire), "77078dacd26a");
+    EXPECT_EQ(test::hexadecimal(steps[2].wire), "cad35913");
     EXPECT_EQ(steps[0].decoded_bytes, 344u);
     EXPECT_EQ(steps[1].decoded_bytes, 0u);
     EXPECT_EQ(steps[2].decoded_bytes, 0u);

@@ -15,6 +15,7 @@
 #include "codec/radiance/row_number_code.h"
 #include "tests/codec/radiance/lattice_scene.h"
 #include "tests/codec/radiance/transfer_cases.h"
+#include "tests/hexadecimal.h"
 
 namespace citystream::codec::radiance {
 namespace {
@@ -103,16 +104,6 @@ TEST(RadianceTransport, AMatrixHasNoBits) {
     }
 }
 
-std::string hexadecimal(const Bytes& bytes) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    std::string text;
-    for (const std::byte b : bytes) {
-        text.push_back(kDigits[std::to_integer<uint32_t>(b) >> 4]);
-        text.push_back(kDigits[std::to_integer<uint32_t>(b) & 15]);
-    }
-    return text;
-}
-
 TEST(RadianceTransport, KeepsTheBytesOfItsFormatPage) {
     RadianceTile tile;
     tile.spacing_log2 = 12;
@@ -121,11 +112,11 @@ TEST(RadianceTransport, KeepsTheBytesOfItsFormatPage) {
                                 [](const Receiver& r, const Point& d) { return d[0] < (r.position[0] + 1) * d[2]; });
     const std::string places = "0103000000ab6455";
     EXPECT_EQ(
-        hexadecimal(encoded(tile, kBiclusters, 1)[0].wire),
+        test::hexadecimal(encoded(tile, kBiclusters, 1)[0].wire),
         "efcdab89674523012c" + places + "8aafa9a761236d6e031d8c31c43109a1681517013ed7a6b96a94a399312e9e700017e2f744");
-    EXPECT_EQ(hexadecimal(encoded(tile, kDistinctRows, 1)[0].wire),
+    EXPECT_EQ(test::hexadecimal(encoded(tile, kDistinctRows, 1)[0].wire),
               "efcdab89674523014c" + places + "8aafa3cb6d94b67fa29339ff7ac99205b574a6152c169a71abe0470d5466503c25");
-    EXPECT_EQ(hexadecimal(encoded(tile, kRows, 1)[0].wire),
+    EXPECT_EQ(test::hexadecimal(encoded(tile, kRows, 1)[0].wire),
               "efcdab89674523016c" + places + "8aafa3ffe6296cff467263feef55247bde13cf7f2527a527387b3cbda01c1133");
     for (const RadianceTransport transport : kMatrices) EXPECT_EQ(encoded(tile, transport, 1)[0].decoded_bytes, 340u);
 }

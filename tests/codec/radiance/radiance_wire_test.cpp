@@ -11,6 +11,7 @@
 #include "codec/radiance/row_wire.h"
 #include "codec/radiance/visibility_wire.h"
 #include "tests/codec/radiance/transfer_cases.h"
+#include "tests/hexadecimal.h"
 
 namespace citystream::codec::radiance {
 namespace {
@@ -197,31 +198,21 @@ TEST(RadianceWires, MakeNoMoreThanTheirLimitsAllow) {
     EXPECT_FALSE(decode_visibility({}, {}, kLimits).ok());
 }
 
-std::string hexadecimal(const Bytes& bytes) {
-    constexpr char kDigits[] = "0123456789abcdef";
-    std::string text;
-    for (const std::byte b : bytes) {
-        text.push_back(kDigits[std::to_integer<uint32_t>(b) >> 4]);
-        text.push_back(kDigits[std::to_integer<uint32_t>(b) & 15]);
-    }
-    return text;
-}
-
 TEST(RadianceWires, KeepTheBytesOfTheirFormatPage) {
     const VisibilityTile tile =
         cast_rays({{{0, 0, 0}, {0, 0, 1}}, {{1, 0, 0}, {0, 0, 1}}}, 4, 0,
                   [](const Receiver& r, const Point& d) { return d[0] < (r.position[0] + 1) * d[2]; });
     const auto steps = encode_visibility(tile);
-    EXPECT_EQ(hexadecimal(steps[0].bytes), "83ffffca0875fe56");
-    EXPECT_EQ(hexadecimal(steps[1].bytes), "77078dacd26a");
-    EXPECT_EQ(hexadecimal(steps[2].bytes), "cad35913");
+    EXPECT_EQ(test::hexadecimal(steps[0].bytes), "83ffffca0875fe56");
+    EXPECT_EQ(test::hexadecimal(steps[1].bytes), "77078dacd26a");
+    EXPECT_EQ(test::hexadecimal(steps[2].bytes), "cad35913");
     EXPECT_NEAR(steps[0].error, 0.1667, 5e-5);
     EXPECT_NEAR(steps[1].error, 0.0512, 5e-5);
     const Transfer t = make_transfer(tile, LocalDirections(1));
-    EXPECT_EQ(hexadecimal(encode_biclusters(find_biclusters(t, {}), 1)),
+    EXPECT_EQ(test::hexadecimal(encode_biclusters(find_biclusters(t, {}), 1)),
               "8aafa6e7e2a8f74ae7f5643fa538c926b88ec13479972b671929bc2f4a142431066c90d74a");
-    EXPECT_EQ(hexadecimal(encode_rows(t, 1)), "8aafa3ffe6296cff467263feef55247bde13cf7f2527a527387b3cbda01c1133");
-    EXPECT_EQ(hexadecimal(encode_distinct_rows(distinct_rows(t), 1)),
+    EXPECT_EQ(test::hexadecimal(encode_rows(t, 1)), "8aafa3ffe6296cff467263feef55247bde13cf7f2527a527387b3cbda01c1133");
+    EXPECT_EQ(test::hexadecimal(encode_distinct_rows(distinct_rows(t), 1)),
               "8aafa3cb6d94b67fa29339ff7ac99205b574a6152c169a71abe0470d5466503c25");
 }
 

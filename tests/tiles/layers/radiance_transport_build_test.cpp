@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "codec/radiance/radiance_layer.h"
-#include "tests/tiles/layers/city_builds.h"
+#include "tests/tiles/layers/radiance_builds.h"
 #include "tiles/layers/inspect_city.h"
 
 namespace citystream::tiles::layers {
@@ -20,18 +20,12 @@ using enum RadianceTransport;
 
 constexpr std::array<RadianceTransport, 4> kTransports = {kVisibility, kBiclusters, kDistinctRows, kRows};
 
-class RadianceTransportBuild : public CityBuildTest {
+class RadianceTransportBuild : public RadianceBuildTest {
   protected:
-    void SetUp() override {
-        if (!radiance_can_be_built()) GTEST_SKIP() << "there is no Embree";
-    }
+    RadianceTransportBuild() : RadianceBuildTest(16, 4) {}
 
-    /// Mesh and radiance alone, on few rays.
     BuildOptions usual_options() const override {
-        BuildOptions options = CityBuildTest::usual_options();
-        options.layers = {true, false, false, true};
-        options.radiance.lattice_metres = 16;
-        options.radiance.texels_across = 4;
+        BuildOptions options = RadianceBuildTest::usual_options();
         options.leaf_triangles = 150;
         return options;
     }

@@ -9,17 +9,15 @@
 #include <random>
 #include <tuple>
 
-#include "tests/tiles/radiance/box_city.h"
+#include "tests/tiles/radiance/occluder_scenes.h"
 #include "tiles/radiance/even_light.h"
 
 namespace citystream::tiles::radiance {
 namespace {
 
 using test::at;
+using test::kTile;
 using test::Surface;
-
-constexpr StartBox kTile = {{-(1 << 14), -(1 << 14), -(1 << 14)},
-                            {144 << kGridBits, 144 << kGridBits, 100 << kGridBits}};
 
 Surface joined(const Surface& a, const Surface& b) {
     Surface both = a;

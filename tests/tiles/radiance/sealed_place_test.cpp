@@ -2,25 +2,18 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/tiles/radiance/box_city.h"
+#include "tests/tiles/radiance/occluder_scenes.h"
 
 namespace citystream::tiles::radiance {
 namespace {
 
 using test::at;
+using test::scene_of;
 using test::Surface;
 using test::Vector;
 
-constexpr StartBox kTile = {{-(1 << 14), -(1 << 14), -(1 << 14)},
-                            {144 << kGridBits, 144 << kGridBits, 100 << kGridBits}};
 constexpr int64_t kHop = int64_t{24} << kGridBits;
 constexpr Vector kUp = {0, 0, 1}, kEast = {1, 0, 0};
-
-OccluderScene scene_of(const Surface& surface) {
-    auto scene = OccluderScene::create(surface, nullptr, kTile);
-    EXPECT_TRUE(scene);
-    return std::move(*scene);
-}
 
 TEST(SealedPlace, WhatSeesTheSkyIsNotSealed) {
     Surface surface = test::ground(0, 0, 128, 128);

@@ -2,24 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/tiles/radiance/box_city.h"
+#include "tests/tiles/radiance/occluder_scenes.h"
 #include "tiles/radiance/even_light.h"
 
 namespace citystream::tiles::radiance {
 namespace {
 
 using test::at;
+using test::scene_of;
 using test::Surface;
 
-constexpr StartBox kTile = {{-(1 << 14), -(1 << 14), -(1 << 14)},
-                            {144 << kGridBits, 144 << kGridBits, 100 << kGridBits}};
 constexpr int64_t kSpacing = int64_t{8} << kGridBits;
-
-OccluderScene scene_of(const Surface& surface) {
-    auto scene = OccluderScene::create(surface, nullptr, kTile);
-    EXPECT_TRUE(scene);
-    return std::move(*scene);
-}
 
 /// Of one surface at a column.
 struct Column {
