@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "codec/step_wire.h"
+#include "codec/stop.h"
 
 namespace citystream::client {
 
@@ -90,6 +91,7 @@ bool decode_light(std::span<const std::vector<std::byte>> wire, std::span<const 
             return true;
         }
         if (layer) break;
+        if (is_stopped(matrix.stop)) return false;
         failure = {static_cast<uint32_t>(count - 1), layer.error().text()};
     }
     return false;

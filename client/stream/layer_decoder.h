@@ -62,7 +62,7 @@ bool decode_mesh(std::span<const std::vector<std::byte>> wire, std::span<const t
                  uint32_t chart_count, codec::mesh::MeshLayer& out, DecodeFailure& failure);
 
 /// The words of steps [0, steps.size()) of a radiance layer. On failure `failure` names the first step without which
-/// the steps before it are good.
+/// the steps before it are good; once `matrix.stop` is set it names none, and the steps may all be good.
 bool decode_light(std::span<const std::vector<std::byte>> wire, std::span<const tiles::tileset::StepRecord> steps,
                   const codec::radiance::MatrixOptions& matrix, DecodedLight& out, DecodeFailure& failure);
 

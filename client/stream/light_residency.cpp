@@ -37,6 +37,7 @@ LightResidency::LightResidency(const DirectoryCache& directory, CityKnowledge& k
 }
 
 LightResidency::~LightResidency() {
+    abandoned_ = true;
     for (UnderWay& under_way : under_way_) under_way.result.wait();
 }
 
@@ -150,7 +151,7 @@ bool LightResidency::start(const Work& work) {
     const CachedLayer& entry = cache_.at(layer_key(work.node, Layer::kRadiance));
     // The bytes may be dropped while a thread reads them.
     std::vector<std::vector<std::byte>> wire(entry.wire.begin(), entry.wire.begin() + work.steps);
-    const codec::radiance::MatrixOptions matrix(work.form, options_.matrix.row_error);
+    const codec::radiance::MatrixOptions matrix(work.form, options_.matrix.row_error, &abandoned_);
     auto decode = [wire = std::move(wire), wanted, matrix] {
         Decoded result;
         const Stopwatch watch(result.ms);

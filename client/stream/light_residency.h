@@ -43,7 +43,7 @@ class LightResidency {
   public:
     LightResidency(const DirectoryCache& directory, CityKnowledge& knowledge, LayerCache& cache, HostMemory& host,
                    TileResidency& tiles, Warnings& warnings, ResidencyCounters& counters, const LightOptions& options);
-    /// Waits for its threads.
+    /// Gives up what its threads are at, and waits for them: nothing of it is stored, counted or warned of.
     ~LightResidency();
     LightResidency(const LightResidency&) = delete;
     LightResidency& operator=(const LightResidency&) = delete;
@@ -114,6 +114,7 @@ class LightResidency {
     Warnings& warnings_;
     ResidencyCounters& counters_;
     LightOptions options_;
+    std::atomic<bool> abandoned_ = false;            ///< told to the threads
     std::list<UnderWay> under_way_;                  ///< in the order in which they were begun
     std::unordered_map<NodeIndex, LayerId> opened_;  ///< with words of another form than the one asked for
 };

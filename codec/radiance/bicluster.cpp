@@ -6,6 +6,7 @@
 
 #include "codec/radiance/bicluster_search.h"
 #include "codec/radiance/bicluster_wire.h"
+#include "codec/stop.h"
 
 namespace citystream::codec::radiance {
 
@@ -65,7 +66,10 @@ class Finder {
     }
 
     Biclusters find() {
-        while (matrix_.nonzeros() > 0) take_cluster();
+        while (matrix_.nonzeros() > 0) {
+            if (is_stopped(options_.stop)) return {};
+            take_cluster();
+        }
         merge_equal_rows(found_);
         sort_by_first_row(found_);
         return std::move(found_);

@@ -2,6 +2,7 @@
 // error that each row may have.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 
@@ -26,6 +27,8 @@ struct BiclusterOptions {
     std::span<const uint32_t> column_weights = {};
     /// Of each row, in place of row_budget; none: row_budget.
     std::span<const uint32_t> row_budgets = {};
+    /// Once it is set (codec/stop.h) the search ends after the cluster it is at, and there are none.
+    const std::atomic<bool>* stop = nullptr;
 };
 
 /// Clusters in the order of their first rows; the same for the same options. Sum of W <= 2 nnz(T); row_errors() within

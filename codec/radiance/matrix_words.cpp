@@ -6,6 +6,7 @@
 #include "codec/radiance/bicluster.h"
 #include "codec/radiance/near_rows.h"
 #include "codec/radiance/radiance_resident.h"
+#include "codec/stop.h"
 
 namespace citystream::codec::radiance {
 
@@ -47,12 +48,14 @@ std::vector<uint32_t> row_words(const DistinctRows& distinct, uint32_t local_cou
 }
 
 /// The shorter of the forms that are allowed; `held` are its clusters, none of rows. No words: there are more rows than
-/// words can hold. Rows are made again where they turn out to be shorter, rather than kept during the search.
+/// words can hold, or the search was stopped. Rows are made again where they turn out to be shorter, rather than kept
+/// during the search.
 std::vector<uint32_t> matrix_words(const DistinctRows& distinct, uint32_t local_count, MatrixForm form,
                                    const BiclusterOptions& search, Biclusters& held) {
     const size_t most = form == MatrixForm::kRows ? 0 : row_words(distinct, local_count).size();
     if (most == 0) return row_words(distinct, local_count);
     held = find_biclusters(distinct.rows, search);
+    if (is_stopped(search.stop)) return {};
     std::vector<uint32_t> words = make_resident_radiance(held, distinct.row_of, local_count);
     if (!words.empty() && words.size() < most) return words;
     held = {};
@@ -64,6 +67,7 @@ std::vector<uint32_t> matrix_words(const DistinctRows& distinct, uint32_t local_
 std::vector<uint32_t> make_matrix_words(DistinctRows distinct, uint32_t local_count, const MatrixOptions& options,
                                         MatrixLoss* loss) {
     BiclusterOptions search = kLayerSearch;
+    search.stop = options.stop;
     Biclusters held;
     MatrixLoss lost;
     std::vector<uint32_t> words;

@@ -1,6 +1,7 @@
 // A tile's matrix as words in GPU memory (radiance_resident.h), made of its distinct rows: exactly, or within an error.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
@@ -17,12 +18,16 @@ enum class MatrixForm : uint8_t {
 
 /// What a matrix may be.
 struct MatrixOptions {
-    MatrixOptions(MatrixForm of = MatrixForm::kBiclusters, double error = 0) : form(of), row_error(error) {}
+    MatrixOptions(MatrixForm of = MatrixForm::kBiclusters, double error = 0,
+                  const std::atomic<bool>* stopped_by = nullptr)
+        : form(of), row_error(error), stop(stopped_by) {}
     MatrixForm form;
     /// Relative radiance, 0..1: the part of what a local direction gets from an even sky, nothing standing around it,
     /// by which each row may be too low under a sky nowhere brighter (near_rows.h has the bound for any light). Rows
     /// are never too high. The greater, the fewer words; 0: exact.
     double row_error;
+    /// Once it is set (codec/stop.h) no words are made. Looked at between clusters of the search.
+    const std::atomic<bool>* stop;
 };
 /// What it has left out.
 struct MatrixLoss {
@@ -30,8 +35,8 @@ struct MatrixLoss {
     uint64_t quarters = 0;  ///< of distinct rows
 };
 
-/// No words: there are more rows than words can hold. `loss`: filled where there is one. Deterministic. Biclusters take
-/// a search (bicluster.h), rows none.
+/// No words: there are more rows than words can hold, or the options' `stop` is set. `loss`: filled where there is one.
+/// Deterministic. Biclusters take a search (bicluster.h), rows none.
 std::vector<uint32_t> make_matrix_words(DistinctRows distinct, uint32_t local_count, const MatrixOptions& options,
                                         MatrixLoss* loss = nullptr);
 

@@ -12,6 +12,7 @@
 #include "codec/radiance/radiance_resident.h"
 #include "codec/radiance/transfer.h"
 #include "codec/radiance/visibility_wire.h"
+#include "codec/stop.h"
 
 namespace citystream::codec::radiance {
 
@@ -116,7 +117,8 @@ Result<Prefix> read_prefix(Steps steps, uint64_t decoded_bytes) {
 }
 
 /// The rows of visibility that travelled. No more entries than fit into so many words.
-Result<DistinctRows> rows_of_visibility(const Prefix& prefix, const LocalDirections& local, uint64_t words) {
+Result<DistinctRows> rows_of_visibility(const Prefix& prefix, const LocalDirections& local, uint64_t words,
+                                        const std::atomic<bool>* stop) {
     const auto side = visibility_side(prefix.messages[0]);
     if (!side) return side.error();
     const VisibilityTile& tile = prefix.tile.visibility;
@@ -128,8 +130,9 @@ Result<DistinctRows> rows_of_visibility(const Prefix& prefix, const LocalDirecti
             const uint32_t frame = tile.frame_of[receiver];
             rows.add(frame, tile.frames[frame], bits);
             fits = rows.nonzeros() <= most;
-            return fits;
+            return fits && !is_stopped(stop);
         });
+    if (is_stopped(stop)) return stopped_error();
     if (!status) return status.error();
     if (!fits) return Error{"a radiance layer's rows take more than its decoded bytes"};
     return rows.take();
@@ -149,7 +152,7 @@ Result<std::vector<uint32_t>> matrix_words(const Prefix& prefix, uint64_t words,
         return make_resident_radiance(clustered->clusters, clustered->row_of, local.count());
     }
     auto distinct = prefix.transport == RadianceTransport::kVisibility
-                        ? rows_of_visibility(prefix, local, words)
+                        ? rows_of_visibility(prefix, local, words, options.stop)
                         : decode_matrix_rows(prefix.transport, prefix.messages[0], bounds);
     if (!distinct) return distinct.error();
     return make_matrix_words(std::move(*distinct), local.count(), options, loss);
@@ -160,6 +163,7 @@ Result<std::vector<uint32_t>> words_of(const Prefix& prefix, uint64_t decoded_by
     const uint64_t most = decoded_bytes / sizeof(uint32_t);
     const auto matrix = matrix_words(prefix, most, options, loss);
     if (!matrix) return matrix.error();
+    if (matrix->empty() && is_stopped(options.stop)) return stopped_error();
     if (matrix->empty()) return Error{"a radiance layer's matrix is larger than it can be"};
     std::vector<uint32_t> words = prefix.table;
     words.resize(words.size() + IRRADIANCE_WORDS * prefix.tile.places.size(), 0);
@@ -299,6 +303,7 @@ Result<RadianceTile> decode_radiance_tile(Steps steps, uint64_t decoded_bytes) {
 
 Result<std::vector<uint32_t>> decode_radiance_layer(Steps steps, uint64_t decoded_bytes, const MatrixOptions& options,
                                                     MatrixLoss* loss) {
+    if (is_stopped(options.stop)) return stopped_error();
     auto prefix = read_prefix(steps, decoded_bytes);
     if (!prefix) return prefix.error();
     return words_of(*prefix, decoded_bytes, options, loss);

@@ -74,6 +74,8 @@ Result<RadianceTile> decode_radiance_tile(std::span<const std::span<const std::b
 /// Whatever the transport, the words are the same: biclusters that travelled are those that a search at arrival would
 /// find, and are used as they are where that is what `options` ask for.
 /// `loss`: filled where there is one.
+/// Once the options' `stop` is set: stopped_error() (codec/stop.h); looked at after each receiver of bits and each
+/// cluster of a search.
 Result<std::vector<uint32_t>> decode_radiance_layer(std::span<const std::span<const std::byte>> steps,
                                                     uint64_t decoded_bytes, const MatrixOptions& options,
                                                     MatrixLoss* loss = nullptr);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 #include <set>
 #include <thread>
@@ -513,6 +514,28 @@ TEST(LightResidency, ARealtimeStreamerThatGoesAwayWaitsForItsThreads) {
         for (int i = 0; i < updates; ++i) flight.update(street(lit_city()));
         flight.streamer.reset();
         EXPECT_EQ(flight.store.slots_used(), 0U);
+    }
+}
+
+// It is what a streamer that goes away tells its threads.
+TEST(LightResidency, DecodingThatIsStoppedHasNoWordsAndBlamesNoStep) {
+    const TileAddress address = {3, 0, 0};
+    const auto& entry = lit_city().entries.at(layer_path(Layer::kRadiance, address));
+    const auto& records = lit_city().tile(address).steps(Layer::kRadiance);
+    std::vector<std::vector<std::byte>> wire;
+    uint64_t begin = 0;
+    for (const auto& record : records) {
+        wire.emplace_back(entry.begin() + static_cast<std::ptrdiff_t>(begin),
+                          entry.begin() + static_cast<std::ptrdiff_t>(record.end));
+        begin = record.end;
+    }
+    for (const bool stops : {false, true}) {
+        const std::atomic<bool> stop = stops;
+        DecodedLight light;
+        DecodeFailure failure;
+        EXPECT_EQ(decode_light(wire, records, {MatrixForm::kBiclusters, 0, &stop}, light, failure), !stops);
+        EXPECT_EQ(light.words.empty(), stops);
+        EXPECT_TRUE(failure.message.empty()) << failure.message;
     }
 }
 
