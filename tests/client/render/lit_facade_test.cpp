@@ -113,25 +113,11 @@ TEST(LitFacade, TilesInPiecesOfMemoryAndInOneShowTheSameBytes) {
     EXPECT_EQ(renderer->validation_messages(), 0U);
 }
 
-int greatest_difference(const FrameImage& a, const FrameImage& b) {
-    int greatest = 0;
-    EXPECT_EQ(a.rgba.size(), b.rgba.size());
-    for (size_t i = 0; i < std::min(a.rgba.size(), b.rgba.size()); ++i)
-        greatest = std::max(greatest, std::abs(int{a.rgba[i]} - int{b.rgba[i]}));
-    return greatest;
-}
-
-// The same receivers, counted from another tile's origin.
 TEST(LitFacade, ATileLitByAnAncestorsReceiversShowsWhatItsOwnShow) {
     VulkanRenderer* const renderer = keyed_renderer->get();
     ASSERT_NE(renderer, nullptr);
     const House house = make_house(*renderer);
-    const int32_t spacing = 1 << kLitSpacingLog2;
-    const GridPoint origin = {-5 * spacing, -7 * spacing, -2 * spacing};
-    const LitTile ancestor = lit_tile(house.tile.surface, {}, origin);
-    TileDraw inheriting = house.scene.tile;
-    inheriting.radiance = upload(*renderer, ancestor.words);
-    inheriting.radiance_offset = {5 * spacing, 7 * spacing, 2 * spacing};
+    const TileDraw inheriting = inheriting_tile(*renderer, house);
     TileDraw misplaced = inheriting;
     misplaced.radiance_offset = {};
     const FrameLight light = day_light();

@@ -43,4 +43,14 @@ inline House make_house(LayerStore& store, const codec::facade::RunGrid& grid = 
     return house;
 }
 
+/// The house's tile lit by the same receivers, counted from another tile's origin.
+inline TileDraw inheriting_tile(LayerStore& store, const House& house) {
+    const int32_t spacing = 1 << kLitSpacingLog2;
+    const LitTile ancestor = lit_tile(house.tile.surface, {}, {-5 * spacing, -7 * spacing, -2 * spacing});
+    TileDraw tile = house.scene.tile;
+    tile.radiance = upload(store, ancestor.words);
+    tile.radiance_offset = {5 * spacing, 7 * spacing, 2 * spacing};
+    return tile;
+}
+
 }  // namespace citystream::client::test

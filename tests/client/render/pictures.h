@@ -89,6 +89,15 @@ struct Sampler {
     }
 };
 
+/// Of any channel of any pixel.
+inline int greatest_difference(const FrameImage& a, const FrameImage& b) {
+    int greatest = 0;
+    EXPECT_EQ(a.rgba.size(), b.rgba.size());
+    for (size_t i = 0; i < std::min(a.rgba.size(), b.rgba.size()); ++i)
+        greatest = std::max(greatest, std::abs(int{a.rgba[i]} - int{b.rgba[i]}));
+    return greatest;
+}
+
 inline FrameImage picture(const Camera& camera, const std::function<Vec3(double, double)>& colour) {
     FrameImage image{camera.width, camera.height, {}};
     for (uint32_t y = 0; y < camera.height; ++y) {

@@ -245,6 +245,33 @@ TEST(ReliefLight, NearReliefShowsWhatRaysFromItReach) {
     EXPECT_EQ(renderer->validation_messages() + without->validation_messages(), 0U);
 }
 
+// Near by masks, further away by BTFs: both are lit by the light of the ancestor's receivers by direction.
+TEST(ReliefLight, ATileLitByAnAncestorsReceiversShowsWhatItsOwnShow) {
+    VulkanRenderer* const renderer = meso_renderer->get();
+    ASSERT_NE(renderer, nullptr);
+    const House& house = shared_house();
+    const TileDraw inheriting = inheriting_tile(*renderer, house);
+    TileDraw misplaced = inheriting;
+    misplaced.radiance_offset = {};
+    const FrameLight light = sky_and_sun(false);
+    ASSERT_TRUE(renderer->set_light(&light).ok());
+    uint64_t cast = 0, by_btf = 0;
+    for (const double distance : {5.0, 60.0}) {
+        const Camera camera = make_camera({3, -distance, 2}, 0, 0, 160, 120, 40);
+        const FrameImage own = draw_or_fail(*renderer, camera, std::span(&house.scene.tile, 1));
+        const FrameImage inherited = draw_or_fail(*renderer, camera, std::span(&inheriting, 1));
+        cast += renderer->counts().facades_cast;
+        by_btf += renderer->counts().facades_by_btf;
+        EXPECT_GT(renderer->counts().local_light_bytes, 0u);
+        EXPECT_LE(greatest_difference(own, inherited), 1) << distance;
+        const FrameImage wrong = draw_or_fail(*renderer, camera, std::span(&misplaced, 1));
+        EXPECT_GT(greatest_difference(own, wrong), 20) << distance;
+    }
+    EXPECT_EQ(cast, 1u);
+    EXPECT_EQ(by_btf, 1u);
+    EXPECT_EQ(renderer->validation_messages(), 0U);
+}
+
 // From 6 m to 150 m: the facade goes from the mask to the BTF to its mean colour. With five samples a pixel: the bars
 // of a wall of 30 pixels under one sample come and go by themselves.
 TEST(ReliefLight, FlyingBackFromAWallShowsNoJump) {
