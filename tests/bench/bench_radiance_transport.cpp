@@ -1,10 +1,10 @@
 // The radiance layer of tiles by every transport: bytes on the wire, and time until they are words in GPU memory.
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
 
 #include "codec/radiance/radiance_layer.h"
 #include "tests/bench/bench_program.h"
+#include "tests/bench/measure.h"
 #include "tests/bench/number_option.h"
 #include "tests/bench/radiance_samples.h"
 
